@@ -1,0 +1,37 @@
+"""The errors that a user of drakearm can cause, each with one sentence saying what, where and what was expected."""
+
+
+class DrakearmError(Exception):
+    """Base of every error that drakearm raises on purpose."""
+
+
+class ArmError(DrakearmError):
+    """An arm folder that cannot be read or does not describe a valid arm."""
+
+
+class EquilibriumError(DrakearmError):
+    """A muscle that has no fiber length at which fiber and tendon pull with the same force."""
+
+
+class ScenarioError(DrakearmError):
+    """An unknown scenario or a scenario file with a wrong, missing or unknown field."""
+
+
+class PlanningError(DrakearmError):
+    """An optimal-control problem that has no solution, or for which the solver found none."""
+
+
+class ActionError(DrakearmError, ValueError):
+    """An action of the wrong shape or with values that are not finite."""
+
+
+class TrainingError(DrakearmError):
+    """A training that cannot start or that diverged."""
+
+
+class PolicyFileError(DrakearmError):
+    """A policy file that cannot be read, or that was trained for another task."""
+
+
+class RunFolderError(DrakearmError):
+    """A run folder that lacks a file, or one that would have been overwritten."""

@@ -1,0 +1,30 @@
+"""Activation dynamics: how the activation of a muscle follows its excitation."""
+
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy")
+def activation_rate(activation, excitation, m):
+    """Time derivative of the activation (1/s) and its derivatives by activation and excitation.
+
+    First order, faster rising than falling (Thelen 2003, eqs. 1-2, as in OpenSim's Thelen2003Muscle). The excitation is
+    clamped to [minimum_activation, 1], so that the activation never leaves that interval; OpenSim does not clamp, and
+    its activation drifts below the minimum at excitation 0.
+    """
+    u = min(max(excitation, m.minimum_activation), 1.0)
+    free = 1.0 if u == excitation else 0.0
+    speed = 0.5 + 1.5 * activation
+    if u > activation:
+        rate = 1.0 / (m.activation_time * speed)
+        return (u - activation) * rate, -rate - (u - activation) * rate * 1.5 / speed, rate * free
+    rate = speed / m.deactivation_time
+    return (u - activation) * rate, -rate + (u - activation) * 1.5 / m.deactivation_time, rate * free
+
+
+@njit(cache=True, error_model="numpy")
+def activation_step(activation, excitation, time_step, m):
+    """Activation after a time step with the excitation held: explicit midpoint rule, second order."""
+    rate, _, _ = activation_rate(activation, excitation, m)
+    middle = activation + 0.5 * time_step * rate
+    rate, _, _ = activation_rate(middle, excitation, m)
+    return min(max(activation + time_step * rate, m.minimum_activation), 1.0)
