@@ -1,0 +1,6 @@
+"""What an arm is: its dataclasses, the loader, path functions and the skeleton."""
+
+from drakearm.model.arm import Arm, Muscle, PathTerm
+from drakearm.model.loader import load_arm
+
+__all__ = ["Arm", "Muscle", "PathTerm", "load_arm"]

@@ -1,0 +1,141 @@
+"""What an arm is: frozen dataclasses that hold its muscles and check every number when they are made."""
+
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator
+from pydantic.dataclasses import dataclass
+from scipy.interpolate import BSpline
+
+from drakearm.model.paths import PathTable, make_path_table
+from drakearm.muscle import thelen2003
+from drakearm.muscle.parameters import MUSCLE_DTYPE
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Fraction = Annotated[float, Field(gt=0, lt=1)]
+Name = Annotated[str, Field(min_length=1)]
+
+_STRICT = ConfigDict(extra="forbid")
+_STEEPEST = np.arccos(0.1)  # pennation at the minimum fiber length, as in OpenSim
+
+
+@dataclass(frozen=True, config=_STRICT)
+class PathTerm:
+    """What one coordinate (rad) contributes to a musculotendon length (m): a B-spline, linear outside its knots."""
+
+    coordinate: Name
+    knots: tuple[Finite, ...]
+    coefficients: Annotated[tuple[Finite, ...], Field(min_length=2)]
+
+    @field_validator("coefficients")
+    @classmethod
+    def _fits_knots(cls, coefficients: tuple, info: ValidationInfo) -> tuple:
+        knots = info.data.get("knots", ())
+        degree = len(knots) - len(coefficients) - 1
+        if degree < 1:
+            raise ValueError(f"expected fewer coefficients than the {len(knots)} knots less 1")
+        if np.any(np.diff(knots) < 0) or not knots[degree] < knots[-degree - 1]:
+            raise ValueError("expected knots that rise")
+        return coefficients
+
+    @property
+    def spline(self) -> BSpline:
+        degree = len(self.knots) - len(self.coefficients) - 1
+        return BSpline(np.array(self.knots), np.array(self.coefficients), degree)
+
+
+@dataclass(frozen=True, config=_STRICT)
+class Muscle:
+    """A Hill-type muscle with a compliant tendon (Thelen 2003). Units: m, N, s, rad; strains and shapes have none."""
+
+    name: Name
+    max_isometric_force: Positive
+    optimal_fiber_length: Positive
+    tendon_slack_length: Positive
+    pennation_angle: Annotated[float, Field(ge=0, lt=1.4)]  # at the optimal fiber length
+    path: Annotated[tuple[PathTerm, ...], Field(min_length=1)]
+    points: tuple[tuple[Name, tuple[Finite, Finite, Finite]], ...]  # (body, position in it), to draw
+    max_contraction_velocity: Positive  # optimal fiber lengths per second
+    activation_time: Positive
+    deactivation_time: Positive
+    minimum_activation: Fraction
+    tendon_strain: Positive  # at max_isometric_force
+    passive_strain: Positive  # at max_isometric_force
+    passive_shape: Positive
+    active_width: Positive
+    force_velocity_shape: Positive
+    eccentric_force: Annotated[float, Field(gt=1, allow_inf_nan=False)]  # over isometric force
+
+    @property
+    def fiber_width(self) -> float:
+        """Thickness that the fibers keep at every length: optimal fiber length times sine of the pennation angle."""
+        return self.optimal_fiber_length * np.sin(self.pennation_angle)
+
+    @property
+    def minimum_fiber_length(self) -> float:
+        """Fiber length at which the pennation angle reaches acos(0.1); 0 for an unpennated muscle."""
+        return self.fiber_width / np.sin(_STEEPEST)
+
+    @property
+    def toe_strain(self) -> float:
+        """Tendon strain where the exponential toe region ends."""
+        return thelen2003.toe_strain(self.tendon_strain)
+
+    @property
+    def tendon_stiffness(self) -> float:
+        """Slope of the tendon curve beyond the toe region: forces of max_isometric_force per strain."""
+        return thelen2003.tendon_stiffness(self.tendon_strain)
+
+
+@dataclass(frozen=True, config=_STRICT)
+class Arm:
+    """An arm: a skeleton file for Drake's Parser and the muscles on it. `load_arm` reads one from a folder."""
+
+    name: Name
+    skeleton: Path  # absolute
+    gravity: tuple[Finite, Finite, Finite]  # m/s^2, in the world
+    coordinates: Annotated[tuple[Name, ...], Field(min_length=1)]  # joints of the skeleton
+    load_frame: Name  # where loads hang
+    tip_frame: Name  # whose path is planned and drawn
+    muscles: Annotated[tuple[Muscle, ...], Field(min_length=1)]
+
+    @field_validator("muscles")
+    @classmethod
+    def _consistent(cls, muscles: tuple[Muscle, ...], info: ValidationInfo) -> tuple[Muscle, ...]:
+        names = [m.name for m in muscles]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"muscle {name} is given twice: expected every name once")
+        coordinates = info.data.get("coordinates", ())  # missing where they are not valid themselves
+        for muscle in muscles:
+            for term in muscle.path:
+                if term.coordinate not in coordinates:
+                    raise ValueError(
+                        f"the path of {muscle.name} depends on {term.coordinate}: "
+                        f"expected one of the coordinates {', '.join(coordinates)}"
+                    )
+        return muscles
+
+    @property
+    def muscle_names(self) -> tuple[str, ...]:
+        return tuple(m.name for m in self.muscles)
+
+    @cached_property
+    def muscle_table(self) -> np.ndarray:
+        """The muscles' numbers as an array of records (n,), for the compiled functions."""
+        rows = [tuple(getattr(m, field) for field in MUSCLE_DTYPE.names or ()) for m in self.muscles]
+        return np.array(rows, dtype=MUSCLE_DTYPE)
+
+    @cached_property
+    def path_table(self) -> PathTable:
+        """The muscles' path functions, for the compiled functions."""
+        return make_path_table(
+            [
+                (i, self.coordinates.index(term.coordinate), term.spline)
+                for i, muscle in enumerate(self.muscles)
+                for term in muscle.path
+            ]
+        )

@@ -1,0 +1,77 @@
+"""Reads an arm from its folder: `muscles.yaml` and the skeleton file that it names."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import TypeAdapter, ValidationError
+
+from drakearm.errors import ArmError
+from drakearm.model.arm import Arm
+
+_SHIPPED = Path(__file__).parent
+
+
+def load_arm(arm: str | Path = "arm14") -> Arm:
+    """The arm of a name that drakearm ships ("arm14"), or of a folder with a muscles.yaml of the same form.
+
+    Raises ArmError, naming file and field, for a missing file, a missing or unknown field, a value out of range, a
+    muscle given twice, or a path over a coordinate that the arm does not have.
+    """
+    shipped = {path.parent.name: path.parent for path in _SHIPPED.glob("*/muscles.yaml")}
+    folder = shipped.get(str(arm), Path(arm))
+    file = folder / "muscles.yaml"
+    if not file.is_file():
+        raise ArmError(
+            f"There is no arm {str(arm)!r}: expected one of {', '.join(sorted(shipped))} "
+            "or a folder with a muscles.yaml."
+        )
+    fields = _merge_defaults(_read(file), file)
+    fields["skeleton"] = folder.resolve() / str(fields.get("skeleton", ""))
+    try:
+        loaded = TypeAdapter(Arm).validate_python(fields)
+    except ValidationError as error:
+        raise ArmError(_describe(error, file, fields)) from error
+    if not loaded.skeleton.is_file():
+        raise ArmError(f"{file}: skeleton: there is no file {loaded.skeleton}.")
+    return loaded
+
+
+def _read(file: Path) -> dict[str, Any]:
+    try:
+        fields = yaml.safe_load(file.read_text())
+    except yaml.YAMLError as error:
+        raise ArmError(f"{file} is not valid YAML: {error}") from error
+    if not isinstance(fields, dict):
+        raise ArmError(f"{file}: expected fields with values, found {type(fields).__name__}.")
+    return fields
+
+
+def _merge_defaults(fields: dict[str, Any], file: Path) -> dict[str, Any]:
+    """Fills what a muscle leaves out from the section `defaults`."""
+    defaults = fields.pop("defaults", {}) or {}
+    muscles = fields.get("muscles")
+    if not isinstance(defaults, dict):
+        raise ArmError(f"{file}: defaults: expected fields of a muscle with their values.")
+    if isinstance(muscles, list):
+        fields["muscles"] = [{**defaults, **m} if isinstance(m, dict) else m for m in muscles]
+    return fields
+
+
+def _describe(error: ValidationError, file: Path, fields: dict[str, Any]) -> str:
+    """One sentence a problem: where it is (muscles by name), what is wrong, what was expected."""
+    lines = []
+    for problem in error.errors():
+        where: list[str] = []
+        value: Any = fields
+        for key in problem["loc"]:
+            try:
+                value = value[key]
+            except (KeyError, IndexError, TypeError):  # the field that is missing
+                value = None
+            named = isinstance(key, int) and isinstance(value, dict) and "name" in value
+            where.append(str(value["name"] if named else key))
+        message = problem["msg"].removeprefix("Value error, ")
+        given = f" (found {value!r})" if isinstance(value, int | float | str) else ""
+        lines.append(f"{file}: {'.'.join(where)}: {message}{given}.")
+    return "\n".join(lines)

@@ -1,0 +1,56 @@
+"""Puts an arm's skeleton into a MultibodyPlant: bodies, joints, gravity, and a load in the hand."""
+
+import math
+
+import numpy as np
+from pydrake.geometry import Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex, SpatialInertia
+
+from drakearm.errors import ArmError
+from drakearm.model.arm import Arm
+
+_IRON = 7870.0  # kg/m^3
+_LOAD_COLOR = np.array([0.25, 0.27, 0.30, 1.0])
+
+
+def add_skeleton(plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0) -> ModelInstanceIndex:
+    """Parses the arm's skeleton into a plant that is not finalized yet and sets the arm's gravity.
+
+    load_mass: kg, an iron ball centered on the arm's load frame and welded to it, as body "load". The skeleton keeps
+    its joint limits; a continuous plant does not enforce them (see `JointStops`). Raises ArmError where the skeleton
+    lacks what the arm names.
+    """
+    if not (math.isfinite(load_mass) and load_mass >= 0.0):
+        raise ArmError(f"The load is {load_mass} kg: expected a mass that is not negative.")
+    (model,) = Parser(plant).AddModels(str(arm.skeleton))
+    _check(plant, arm, model)
+    plant.mutable_gravity_field().set_gravity_vector(np.array(arm.gravity))
+    if load_mass > 0.0:
+        radius = (3.0 * load_mass / (4.0 * math.pi * _IRON)) ** (1.0 / 3.0)
+        inertia = SpatialInertia.SolidSphereWithMass(load_mass, radius)
+        load = plant.AddRigidBody("load", model, inertia)
+        plant.WeldFrames(plant.GetFrameByName(arm.load_frame, model), load.body_frame())
+        if plant.geometry_source_is_registered():
+            plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(radius), "load", _LOAD_COLOR)
+    return model
+
+
+def _check(plant: MultibodyPlant, arm: Arm, model: ModelInstanceIndex) -> None:
+    """Every name that the arm uses must be in the skeleton, and its moving joints must be the coordinates."""
+    joints = [plant.get_joint(i) for i in plant.GetJointIndices(model)]
+    moving = tuple(joint.name() for joint in joints if joint.num_positions() > 0)
+    if moving != arm.coordinates or any(joint.num_positions() > 1 for joint in joints):
+        raise ArmError(
+            f"{arm.skeleton}: the moving joints are {', '.join(moving) or 'none'}: expected one-degree-of-freedom "
+            f"joints {', '.join(arm.coordinates)}, in this order."
+        )
+    for frame in (arm.load_frame, arm.tip_frame):
+        if not plant.HasFrameNamed(frame, model):
+            raise ArmError(f"{arm.skeleton}: there is no frame {frame}, which the arm {arm.name} names.")
+    for muscle in arm.muscles:
+        for body, _ in muscle.points:
+            if not plant.HasBodyNamed(body, model):
+                raise ArmError(f"{arm.skeleton}: there is no body {body}, where {muscle.name} is attached.")

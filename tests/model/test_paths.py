@@ -1,0 +1,83 @@
+"""Path functions: the length is the spline's, the moment arm its negative slope, inside and outside the knots."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BSpline
+
+from drakearm.model import load_arm
+from drakearm.model.musculature import muscle_geometry
+from drakearm.model.paths import evaluate_path_curvatures, evaluate_paths, make_path_table
+
+ARM = load_arm("arm14")
+angles = st.floats(-3.0, 3.0)
+
+
+def geometry(*q):
+    return muscle_geometry(np.array(q), ARM.muscle_table, ARM.path_table)
+
+
+@settings(max_examples=200, deadline=None)
+@given(angles, angles)
+def test_moment_arm_is_minus_the_slope_of_the_length_everywhere(shoulder, elbow):
+    step = 1e-6
+    _, moment_arm = geometry(shoulder, elbow)
+    by_shoulder = (geometry(shoulder + step, elbow)[0] - geometry(shoulder - step, elbow)[0]) / (2 * step)
+    by_elbow = (geometry(shoulder, elbow + step)[0] - geometry(shoulder, elbow - step)[0]) / (2 * step)
+    np.testing.assert_allclose(moment_arm, -np.stack([by_shoulder, by_elbow], axis=1), atol=1e-7)
+
+
+def test_length_is_the_sum_of_the_splines_of_the_file():
+    q = np.array([0.3, 1.1])
+    length, _ = geometry(*q)
+    expected = [sum(term.spline(q[ARM.coordinates.index(term.coordinate)]) for term in m.path) for m in ARM.muscles]
+    np.testing.assert_allclose(length, expected, atol=1e-15)
+
+
+def test_moment_arm_is_constant_outside_the_knots():
+    np.testing.assert_array_equal(geometry(2.5, 2.4)[1], geometry(2.9, 3.0)[1])
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 5, 9])
+def test_splines_of_any_degree_and_knots(degree):
+    rng = np.random.default_rng(degree)
+    inner = np.sort(rng.uniform(-1.0, 1.0, 4))
+    knots = np.concatenate([[-1.0] * (degree + 1), inner, [1.0] * (degree + 1)])
+    spline = BSpline(knots, rng.standard_normal(len(knots) - degree - 1), degree)
+    table = make_path_table([(0, 0, spline)])
+    length, moment_arm, curvature = np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1))
+    for q in np.linspace(-1.0, 1.0, 37)[1:-1]:
+        evaluate_paths(np.array([q]), table, length, moment_arm)
+        evaluate_path_curvatures(np.array([q]), table, curvature)
+        np.testing.assert_allclose(length[0], spline(q), rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(moment_arm[0, 0], -spline(q, nu=1), rtol=1e-7, atol=1e-7)
+        if degree > 1:
+            np.testing.assert_allclose(curvature[0, 0], spline(q, nu=2), rtol=1e-5, atol=1e-5)
+
+
+def test_known_lengths_and_moment_arms():
+    """The hanging arm, in m: OpenSim 4.6 gives 0.27761, 0.42458, 0.14735 for the lengths."""
+    length, moment_arm = geometry(0.0, 0.0)
+    names = ARM.muscle_names
+    assert length[names.index("TRIlong")] == pytest.approx(0.27761, abs=6e-3)  # its shoulder path is smoothed
+    assert length[names.index("BRA")] == pytest.approx(0.14735, abs=1e-4)
+    assert moment_arm[names.index("BIClong"), 0] > 0.0  # lifts the upper arm
+    assert (moment_arm[[names.index(n) for n in ("BIClong", "BICshort", "BRD")], 1] > 0.0).all()
+    assert (moment_arm[[names.index(n) for n in ("TRIlong", "TRIlat", "TRImed", "ANC")], 1] < 0.0).all()
+
+
+def test_moment_arms_against_opensim(oracle):
+    """physics.md: at most 1.4 mm in the fitted range."""
+    grid = oracle("paths_grid.npz")
+    shoulder, elbow = grid["shoulder"], grid["elbow"]
+    rows = np.flatnonzero((shoulder >= np.deg2rad(-60)) & (shoulder <= np.deg2rad(105)))
+    columns = np.flatnonzero((elbow >= 0.0) & (elbow <= np.deg2rad(130)))
+    error = np.array(
+        [
+            [np.abs(geometry(shoulder[i], elbow[j])[1] - grid["moment_arm"][:, i, j])[:, 1] for j in columns]
+            for i in rows
+        ]
+    )
+    print("elbow moment arms, largest error in mm:", dict(zip(ARM.muscle_names, 1e3 * error.max((0, 1)), strict=True)))
+    assert error.max() < 1.4e-3
