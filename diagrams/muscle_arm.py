@@ -1,0 +1,92 @@
+"""The arm with its muscles, as a part of a user's Diagram."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.primitives import Adder
+
+from drakearm.model import Arm
+from drakearm.model.skeleton import add_skeleton
+from drakearm.systems.hill_muscles import RESTING_ACTIVATION, HillMuscles
+from drakearm.systems.joint_stops import JointStops
+
+TIME_STEP = 1e-3  # s
+
+
+@dataclass(frozen=True)
+class MuscleArm:
+    """The systems of an arm in a Diagram. Connect to `muscles.GetInputPort("excitation")`."""
+
+    arm: Arm
+    plant: MultibodyPlant
+    muscles: HillMuscles
+    stops: JointStops | None
+
+    def SetState(
+        self,
+        root_context: Context,
+        q: np.ndarray,
+        v: np.ndarray | None = None,
+        activation: float | np.ndarray = RESTING_ACTIVATION,
+    ) -> None:
+        """Puts the joints at q (rad) and v (rad/s, default 0) and the muscles in equilibrium there."""
+        context = self.plant.GetMyMutableContextFromRoot(root_context)
+        self.plant.SetPositions(context, q)
+        self.plant.SetVelocities(context, np.zeros(len(q)) if v is None else v)
+        self.muscles.SetEquilibrium(self.muscles.GetMyMutableContextFromRoot(root_context), q, activation)
+
+
+def AddMuscleArm(
+    builder: DiagramBuilder,
+    arm: Arm,
+    *,
+    load_mass: float = 0.0,
+    stops: bool = True,
+    time_step: float = TIME_STEP,
+    scene_graph: SceneGraph | None = None,
+) -> MuscleArm:
+    """Adds plant, muscles and joint stops to a builder and connects them to each other.
+
+    load_mass: kg, welded to the hand. stops: whether joints are kept in the range that the skeleton file gives.
+    time_step: s, of the muscles and stops; 0 makes them continuous. scene_graph: registers the skeleton's shapes for
+    drawing. The plant is always continuous: simulate with `MakeSimulator`, or with an integrator of your choice.
+    """
+    plant = builder.AddNamedSystem("plant", MultibodyPlant(time_step=0.0))
+    if scene_graph is not None:
+        plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_skeleton(plant, arm, load_mass)
+    plant.Finalize()
+    if scene_graph is not None:
+        builder.Connect(
+            plant.get_geometry_pose_output_port(),
+            scene_graph.get_source_pose_port(plant.get_source_id()),
+        )
+    muscles = builder.AddNamedSystem("muscles", HillMuscles(arm, time_step))
+    builder.Connect(plant.get_state_output_port(), muscles.GetInputPort("arm_state"))
+    torque = muscles.GetOutputPort("generalized_force")
+    joint_stops = None
+    if stops:
+        joint_stops = builder.AddNamedSystem(
+            "stops",
+            JointStops(plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits(), time_step),
+        )
+        builder.Connect(plant.get_state_output_port(), joint_stops.GetInputPort("arm_state"))
+        total = builder.AddNamedSystem("joint_torque", Adder(2, len(arm.coordinates)))
+        builder.Connect(torque, total.get_input_port(0))
+        builder.Connect(joint_stops.GetOutputPort("generalized_force"), total.get_input_port(1))
+        torque = total.get_output_port()
+    builder.Connect(torque, plant.get_applied_generalized_force_input_port())
+    return MuscleArm(arm, plant, muscles, joint_stops)
+
+
+def MakeSimulator(diagram: Diagram, time_step: float = TIME_STEP) -> Simulator:
+    """A Simulator with the second-order Runge-Kutta steps that match discrete muscles: fixed, one a muscle step."""
+    simulator = Simulator(diagram)
+    integrator = ResetIntegratorFromFlags(simulator, "runge_kutta2", time_step)
+    integrator.set_fixed_step_mode(True)
+    integrator.set_maximum_step_size(time_step)
+    return simulator

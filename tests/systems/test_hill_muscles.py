@@ -1,0 +1,104 @@
+"""HillMuscles: outputs at rest, both kinds of state, OpenSim's statics and whole simulations."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource
+
+from drakearm.diagrams import AddMuscleArm, MakeSimulator
+from drakearm.errors import EquilibriumError
+from drakearm.model.musculature import equilibrium_fiber_lengths, muscle_geometry
+from drakearm.systems import HillMuscles
+
+N = 14
+NAMES = ["generalized_force", "activation", "fiber_length", "fiber_velocity", "tendon_force", "mtu_length"]
+
+
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
+def test_ports_have_names_and_sizes(arm, time_step):
+    muscles = HillMuscles(arm, time_step)
+    assert muscles.GetInputPort("excitation").size() == N
+    assert muscles.GetInputPort("arm_state").size() == 4
+    assert [muscles.GetOutputPort(name).size() for name in NAMES] == [2, N, N, N, N, N]
+
+
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
+def test_equilibrium_pulls_with_moment_arm_times_tendon_force(arm, outputs, time_step):
+    muscles = HillMuscles(arm, time_step)
+    context = muscles.CreateDefaultContext()
+    q = np.array([0.2, 1.2])
+    muscles.SetEquilibrium(context, q, 0.3)
+    inputs = {"excitation": np.full(N, 0.3), "arm_state": [*q, 0.0, 0.0]}
+    tau, activation, fiber, velocity, force, length = outputs(muscles, inputs, NAMES, context)
+    expected_length, moment_arm = muscle_geometry(q, arm.muscle_table, arm.path_table)
+    np.testing.assert_array_equal(activation, 0.3)
+    np.testing.assert_array_equal(fiber, equilibrium_fiber_lengths(arm, q, np.full(N, 0.3)))
+    np.testing.assert_allclose(velocity, 0.0, atol=1e-9)
+    np.testing.assert_array_equal(length, expected_length)
+    np.testing.assert_allclose(tau, moment_arm.T @ force, atol=1e-12)
+
+
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
+def test_rest_stays_at_rest(arm, time_step):
+    """With excitation equal to activation and joints that do not move nothing changes."""
+    builder = DiagramBuilder()
+    muscles = builder.AddSystem(HillMuscles(arm, time_step))
+    for name, value in (("excitation", np.full(N, 0.2)), ("arm_state", np.array([0.1, 0.9, 0.0, 0.0]))):
+        source = builder.AddSystem(ConstantVectorSource(value))
+        builder.Connect(source.get_output_port(), muscles.GetInputPort(name))
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    context = muscles.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    muscles.SetEquilibrium(context, np.array([0.1, 0.9]), 0.2)
+    before = [muscles.GetOutputPort(name).Eval(context) for name in NAMES]
+    simulator.AdvanceTo(0.02)
+    for name, value in zip(NAMES, before, strict=True):
+        np.testing.assert_allclose(muscles.GetOutputPort(name).Eval(context), value, atol=1e-6)
+
+
+def test_posture_without_equilibrium_is_an_error_that_names_the_muscles(arm):
+    muscles = HillMuscles(arm)
+    with pytest.raises(EquilibriumError, match="BIClong"):
+        muscles.SetEquilibrium(muscles.CreateDefaultContext(), np.array([5.0, 5.0]))
+
+
+def simulate(arm, time_step, excitation, q, duration):
+    builder = DiagramBuilder()
+    muscle_arm = AddMuscleArm(builder, arm, time_step=time_step)
+    source = builder.AddSystem(ConstantVectorSource(excitation))
+    builder.Connect(source.get_output_port(), muscle_arm.muscles.GetInputPort("excitation"))
+    diagram = builder.Build()
+    simulator = MakeSimulator(diagram, time_step) if time_step else Simulator(diagram)
+    if not time_step:
+        simulator.get_mutable_integrator().set_target_accuracy(1e-8)
+    context = simulator.get_mutable_context()
+    muscle_arm.SetState(context, q)
+    simulator.AdvanceTo(duration)
+    return muscle_arm.plant.GetPositions(muscle_arm.plant.GetMyContextFromRoot(context))
+
+
+def test_discrete_approaches_continuous_with_the_square_of_the_step(arm):
+    excitation = np.full(N, 0.05)
+    excitation[[3, 4, 5]] = 0.4  # not long enough to reach a stop
+    q = np.array([0.1, 0.6])
+    exact = simulate(arm, 0.0, excitation, q, 0.15)
+    coarse, fine = (np.abs(simulate(arm, h, excitation, q, 0.15) - exact).max() for h in (2e-3, 1e-3))
+    print(f"error in rad after 0.15 s: {coarse:.1e} at 2 ms, {fine:.1e} at 1 ms")
+    assert fine < 2e-3
+    assert 2.5 < coarse / fine < 6.0
+
+
+def test_statics_against_opensim(arm, outputs, oracle):
+    """Generalized force in 150 postures: OpenSim's tendon forces, on the spline paths' moment arms."""
+    statics = oracle("statics.npz")
+    muscles = HillMuscles(arm, 0.0)
+    context = muscles.CreateDefaultContext()
+    for k, q in enumerate(statics["q"][:40]):
+        activation, fiber = statics["activation"][k], statics["fibre_length"][k]
+        context.SetContinuousState(np.concatenate([activation, fiber]))
+        inputs = {"excitation": activation, "arm_state": [*q, 0.0, 0.0]}
+        force, length = outputs(muscles, inputs, ["tendon_force", "mtu_length"], context)
+        same = np.abs(length - statics["mtu_length"][k]) < 1e-5
+        difference = np.abs(force - statics["tendon_force"][k])[same] / arm.muscle_table["max_isometric_force"][same]
+        assert (difference < 0.02).all()  # 1e-5 m of path are 0.7 % of F_max in the stiffest tendon
