@@ -1,0 +1,106 @@
+"""What a plan may cost: small pieces that a scenario file lists with their weights.
+
+Each is an integral over the movement, written as quadratic costs on the knots, so a weight means
+the same whatever the number of knots. For a cost of your own: a frozen dataclass with a `type`, and
+an `add` that returns the costs it added.
+"""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field
+from pydantic.dataclasses import dataclass
+from pydrake.solvers import Binding, QuadraticCost
+
+from drakearm.planning.problem import Problem
+
+RATE_STEP = 0.04  # s: the paper's step, over which its R weighs a change of torque
+
+NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Weight = NonNegative | tuple[NonNegative, ...]  # one for all coordinates, or one for each
+QuadraticCosts = list[Binding[QuadraticCost]]
+
+_STRICT = ConfigDict(extra="forbid")
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class Posture:
+    """Distance to the target and speed, along the way (integrated over time) and at the end."""
+
+    type: Literal["posture"] = "posture"
+    running: Weight = 0.0  # of (q - target)^2, 1/(rad^2 s)
+    running_speed: Weight = 0.0  # of v^2, s/rad^2
+    final: Weight = 0.0  # of (q - target)^2 at the end, 1/rad^2
+    final_speed: Weight = 0.0  # of v^2 at the end, s^2/rad^2
+
+    def add(self, problem: Problem) -> QuadraticCosts:
+        def error(weights: np.ndarray, knot: int) -> Binding[QuadraticCost]:
+            target = np.concatenate([problem.target, np.zeros_like(problem.target)])
+            state = problem.collocation.state(knot)
+            return problem.prog.AddQuadraticErrorCost(np.diag(weights), target, state)
+
+        running = np.concatenate([problem.weights(self.running), problem.weights(self.running_speed)])
+        final = np.concatenate([problem.weights(self.final), problem.weights(self.final_speed)])
+        costs = [error(share * running, k) for k, share in enumerate(problem.shares)]
+        return [*costs, error(final, len(problem.times) - 1)]
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class Torque:
+    """The joint torques squared, integrated over time."""
+
+    type: Literal["torque"] = "torque"
+    weight: Weight  # of tau^2, 1/(Nm^2 s)
+
+    def add(self, problem: Problem) -> QuadraticCosts:
+        weights = problem.weights(self.weight)
+        zero = np.zeros(len(weights))
+        return [
+            problem.prog.AddQuadraticErrorCost(share * np.diag(weights), zero, problem.tau(k))
+            for k, share in enumerate(problem.shares)
+        ]
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class TorqueRate:
+    """The rate of the joint torques squared, integrated over time.
+
+    This is du' R du of Denizdurduran et al. 2022, eq. 3, for any knots: (RATE_STEP dtau/dt)^2 R.
+    At knots RATE_STEP apart it is the paper's sum, times RATE_STEP as all integrals are.
+    """
+
+    type: Literal["torque_rate"] = "torque_rate"
+    weight: Weight  # the paper's R, 1/(Nm^2 s)
+
+    def add(self, problem: Problem) -> QuadraticCosts:
+        weights = problem.weights(self.weight)
+        zero = np.zeros(2 * len(weights))
+        costs = []
+        for k, step in enumerate(np.diff(problem.times)):
+            change = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag(weights))
+            torques = np.concatenate([problem.tau(k), problem.tau(k + 1)])
+            scale = RATE_STEP**2 / step
+            # AddQuadraticCost halves its matrix; it is singular, but convex.
+            costs.append(problem.prog.AddQuadraticCost(2.0 * scale * change, zero, torques, is_convex=True))
+        return costs
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class HeldJoint:
+    """How far one joint is from an angle, squared and integrated over time: keeps it still."""
+
+    type: Literal["held_joint"] = "held_joint"
+    joint: str
+    angle_deg: Annotated[float, Field(allow_inf_nan=False)]
+    weight: NonNegative  # of (q_joint - angle)^2, 1/(rad^2 s)
+
+    def add(self, problem: Problem) -> QuadraticCosts:
+        index = problem.coordinate(self.joint)
+        angle = np.array([np.deg2rad(self.angle_deg)])
+        return [
+            problem.prog.AddQuadraticErrorCost(np.array([[share * self.weight]]), angle, problem.q(k)[[index]])
+            for k, share in enumerate(problem.shares)
+        ]
+
+
+Cost = Annotated[Posture | Torque | TorqueRate | HeldJoint, Field(discriminator="type")]

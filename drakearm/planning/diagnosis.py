@@ -1,0 +1,90 @@
+"""Why there is no plan: solved again with limits that give, it names those that had to give."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.solvers import MathematicalProgram, SnoptSolver, SolverInterface, SolverOptions
+
+from drakearm.planning.problem import NamedConstraint, Problem
+
+_NEGLIGIBLE = 1e-3  # of a limit, or of an equation in SI units: below it nothing is violated
+
+
+@dataclass(frozen=True)
+class Violation:
+    """By how much a constraint is violated at the time where it is worst."""
+
+    name: str
+    amount: float
+    unit: str
+    time: float  # s
+
+    def __str__(self) -> str:
+        return f"{self.name} by {self.amount:.3g} {self.unit}".rstrip() + f" at {self.time:.2f} s"
+
+
+def violations(prog: MathematicalProgram, constraints: Sequence[NamedConstraint], x: np.ndarray) -> list[Violation]:
+    """What the program's variables x violate: every name at its worst time, worst first."""
+    worst: dict[str, Violation] = {}
+    for constraint in constraints:
+        evaluator = constraint.binding.evaluator()
+        value = prog.EvalBinding(constraint.binding, x)
+        excess = np.maximum(evaluator.lower_bound() - value, value - evaluator.upper_bound())
+        row = int(np.argmax(excess))
+        amount = float(excess[row])
+        found = worst.get(constraint.name)
+        if amount > _NEGLIGIBLE and (found is None or amount > found.amount):
+            time = float(constraint.times[row])
+            worst[constraint.name] = Violation(constraint.name, amount, constraint.unit, time)
+    return sorted(worst.values(), key=lambda v: -v.amount)
+
+
+def explain(problem: Problem, solver: SolverInterface, failed: np.ndarray) -> str:
+    """What stands in the way of a plan, as half a sentence; failed: where the solver gave up."""
+    x = _give_way(problem, solver)
+    broken = violations(problem.prog, problem.limits, x) if x is not None else []
+    if broken:
+        return "even the nearest movement exceeds " + _join(broken)
+    broken = violations(problem.prog, problem.constraints, failed)
+    if broken:
+        return "where it stopped it violates " + _join(broken)
+    return "where it stopped nothing is violated, but the costs could still fall"
+
+
+def _give_way(problem: Problem, solver: SolverInterface) -> np.ndarray | None:
+    """The movement that exceeds the limits least, as variables; None if none was found either."""
+    prog = problem.prog.Clone()
+    for cost in prog.GetAllCosts():
+        prog.RemoveCost(cost)
+    excess = prog.NewContinuousVariables(len(problem.limits), "excess")  # shares of the limits
+    prog.AddBoundingBoxConstraint(0.0, np.inf, excess)
+    prog.AddLinearCost(np.ones(len(excess)), 0.0, excess)
+    start = problem.prog.initial_guess()
+    shares = []
+    for limit, share in zip(problem.limits, excess, strict=True):
+        prog.RemoveConstraint(limit.binding)
+        bound = limit.binding.evaluator().upper_bound()[:, None]
+        variables = limit.binding.variables()
+        identity = np.eye(len(variables))
+        rows = np.block([[identity, -bound], [-identity, -bound]])
+        prog.AddLinearConstraint(
+            rows,
+            np.full(len(rows), -np.inf),
+            np.vstack([bound, bound])[:, 0],
+            np.append(variables, share),
+        )
+        most = np.max(np.abs(problem.prog.EvalBinding(limit.binding, start)) / bound[:, 0])
+        shares.append(max(0.0, most - 1.0))  # so that the start satisfies all but the dynamics
+    options = SolverOptions()
+    # Outside the limits torques and accelerations are huge: without scaling this takes ten times
+    # as long.
+    options.SetOption(SnoptSolver.id(), "Scale option", 2)
+    options.SetOption(SnoptSolver.id(), "Major iterations limit", 200)
+    result = solver.Solve(prog, np.concatenate([start, shares]), options)
+    return result.get_x_val()[: problem.prog.num_vars()] if result.is_success() else None
+
+
+def _join(broken: Sequence[Violation]) -> str:
+    names = [f"the {violation}" for violation in broken]
+    return ", ".join(names[:-1]) + " and " * (len(names) > 1) + names[-1]

@@ -1,0 +1,163 @@
+"""Plans: they meet their ends and limits, hold on the plant, and fail with a reason."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import TrajectorySource
+from pydrake.trajectories import PiecewisePolynomial
+
+from drakearm.diagrams import MakeTorqueArm
+from drakearm.errors import PlanningError
+from drakearm.model import load_arm
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.planning import HeldJoint, Movement, Posture, TorqueRate, plan
+from drakearm.planning.guess import gravity_torque, inverse_dynamics
+
+ARM = load_arm("arm14")
+TIMING = Movement(
+    start_deg=(0, 0),
+    target_deg=(0, 90),
+    duration=0.7,
+    speed_limit=(15, 15),
+    torque_limit=(60, 60),
+    costs=[
+        Posture(running=0.1),
+        TorqueRate(weight=0.1),
+        HeldJoint(joint="shoulder", angle_deg=0, weight=1000),
+    ],
+)
+SHORT = replace(TIMING, duration=0.4, knots=21)
+
+
+@pytest.fixture(scope="module")
+def timing():
+    return plan(ARM, TIMING)
+
+
+def test_starts_and_ends_at_rest_in_equilibrium(timing):
+    reference = timing.reference
+    plant = MakeTorqueArm(ARM)
+    end = round(TIMING.duration / CONTROL_STEP)
+    for k, q in ((0, TIMING.start), (end, TIMING.target), (-1, TIMING.target)):
+        np.testing.assert_allclose(reference.q[k], q, atol=1e-6)
+        np.testing.assert_allclose(reference.v[k], 0.0, atol=1e-6)
+        np.testing.assert_allclose(reference.a[k], 0.0, atol=1e-4)
+        np.testing.assert_allclose(reference.tau[k], gravity_torque(plant, q), atol=1e-5)
+
+
+def test_reference_is_sampled_at_control_steps_and_includes_the_hold(timing):
+    steps = round((TIMING.duration + TIMING.hold) / CONTROL_STEP)
+    np.testing.assert_allclose(timing.reference.t, CONTROL_STEP * np.arange(steps + 1))
+    assert {getattr(timing.reference, name).shape for name in ("q", "v", "a", "tau")} == {(steps + 1, 2)}
+
+
+def test_reference_satisfies_the_equations_of_motion(timing):
+    r = timing.reference
+    torques = inverse_dynamics(MakeTorqueArm(ARM), r.q, r.v, r.a)
+    np.testing.assert_allclose(torques, r.tau, atol=1e-8)
+    np.testing.assert_allclose(np.gradient(r.q[:, 1], r.t)[1:-1], r.v[1:-1, 1], atol=0.01)
+
+
+def test_timing_holds_the_upper_arm_and_bends_the_elbow_in_one_bell(timing):
+    r = timing.reference
+    assert np.max(np.abs(r.q[:, 0])) < 0.01
+    speed = r.v[: round(TIMING.duration / CONTROL_STEP) + 1, 1]
+    peak = int(np.argmax(speed))
+    assert 0.35 < r.t[peak] / TIMING.duration < 0.65
+    assert np.all(np.diff(speed[: peak + 1]) > 0) and np.all(np.diff(speed[peak:]) < 0)
+
+
+def test_torques_hold_on_the_plant(timing):
+    builder = DiagramBuilder()
+    plant = builder.AddSystem(MakeTorqueArm(ARM, torque_limit=np.array(TIMING.torque_limit)))
+    torque = PiecewisePolynomial.FirstOrderHold(timing.t, timing.tau.T)
+    source = builder.AddSystem(TrajectorySource(torque))
+    builder.Connect(source.get_output_port(), plant.get_actuation_input_port())
+    simulator = Simulator(builder.Build())
+    ResetIntegratorFromFlags(simulator, "runge_kutta3", 0.01).set_target_accuracy(1e-8)
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    plant.SetPositions(context, TIMING.start)
+    simulator.AdvanceTo(TIMING.duration)
+    np.testing.assert_allclose(plant.GetPositions(context), TIMING.target, atol=0.01)
+    np.testing.assert_allclose(plant.GetVelocities(context), 0.0, atol=0.1)
+
+
+def test_binding_limits_are_met():
+    free = plan(ARM, SHORT)
+    limited = replace(SHORT, speed_limit=(15, 6.5), torque_limit=(8.8, 60))
+    tight = plan(ARM, limited)
+    assert np.max(np.abs(free.v[:, 1])) > 6.5 and np.max(np.abs(free.tau[:, 0])) > 8.8
+    assert np.all(np.abs(tight.v) <= np.array(limited.speed_limit) + 1e-5)
+    assert np.all(np.abs(tight.tau) <= np.array(limited.torque_limit) + 1e-5)
+    assert np.min(tight.reference.q[:, 1]) > -1e-3  # the elbow's joint limit, between the knots
+    assert sum(tight.costs.values()) > sum(free.costs.values())
+
+
+def test_a_heavier_weight_holds_the_joint_better():
+    posture, rate, held = SHORT.costs
+    excursions = []
+    for weight in (10.0, 100.0, 1000.0):
+        movement = replace(SHORT, costs=[posture, rate, replace(held, weight=weight)])
+        excursions.append(np.max(np.abs(plan(ARM, movement).q[:, 0])))
+    assert excursions[0] > 2 * excursions[1] > 4 * excursions[2]
+
+
+def test_only_the_ratio_of_the_weights_matters():
+    costs = [Posture(running=1e-3), TorqueRate(weight=1e-3)]
+    larger = [Posture(running=1e2), TorqueRate(weight=1e2)]
+    first, second = (plan(ARM, replace(SHORT, costs=c)) for c in (costs, larger))
+    np.testing.assert_allclose(first.q, second.q, atol=1e-5)
+    assert second.costs["posture"] == pytest.approx(1e5 * first.costs["posture"])
+
+
+def test_a_load_takes_more_torque():
+    unloaded, loaded = (plan(ARM, SHORT, load_mass=mass) for mass in (0.0, 5.0))
+    assert np.max(np.abs(loaded.tau)) > 2.0 * np.max(np.abs(unloaded.tau))
+
+
+def test_the_same_call_gives_the_same_plan():
+    first, second = plan(ARM, SHORT), plan(ARM, SHORT)
+    assert first.solver == "SNOPT" and first.status == second.status == "solution found"
+    assert first.costs == second.costs
+    np.testing.assert_array_equal(first.reference.q, second.reference.q)
+    np.testing.assert_array_equal(first.reference.tau, second.reference.tau)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"start_deg": (0, -5)}, r"start has the elbow at -5 deg.*joint limits, 0 to 130 deg"),
+        ({"target_deg": (190, 90)}, r"target has the shoulder at 190 deg.*joint limits"),
+        ({"start_deg": (0, 0, 0)}, r"start_deg has 3 values: expected 2, for shoulder, elbow"),
+        ({"torque_limit": (60,)}, r"torque_limit has 1 values: expected 2"),
+        ({"torque_limit": (60, 1)}, r"rest at the target.*torque limit of the elbow, 1 Nm"),
+        ({"speed_limit": (15, 3)}, r"exceeds the speed limit of the elbow by [\d.]+ rad/s at 0"),
+        (
+            {"duration": 0.2, "torque_limit": (9, 60)},
+            r"exceeds the torque limit of the shoulder by",
+        ),
+        ({"duration": 0.1}, r"exceeds .*torque limit of the shoulder by"),
+    ],
+)
+def test_failure_names_what_stands_in_the_way(changes, message):
+    with pytest.raises(PlanningError, match=message):
+        plan(ARM, replace(SHORT, **changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"duration": 0.705}, "whole number of control steps"),
+        ({"duration": -1}, "duration"),
+        ({"knots": 2}, "knots"),
+        ({"speed_limit": (0, 15)}, "speed_limit"),
+        ({"costs": []}, "costs"),
+    ],
+)
+def test_a_movement_checks_its_fields(changes, message):
+    with pytest.raises(ValidationError, match=message):
+        replace(TIMING, **changes)

@@ -1,0 +1,125 @@
+"""Costs: their values on given knots, and how they are read from YAML."""
+
+import numpy as np
+import pytest
+import yaml
+from pydantic import TypeAdapter, ValidationError
+from pydrake.planning import DirectCollocation
+from pydrake.systems.framework import InputPortIndex
+from pydrake.systems.primitives import LinearSystem
+
+from drakearm.errors import PlanningError
+from drakearm.planning import Cost, HeldJoint, Posture, Problem, Torque, TorqueRate
+from drakearm.planning.costs import RATE_STEP
+
+DURATION = 0.8
+TARGET = np.array([0.2, 1.0])
+COSTS = """
+- {type: posture, running: 0.1, final: [1, 2]}
+- {type: torque, weight: [0, 1]}
+- {type: torque_rate, weight: 0.1}
+- {type: held_joint, joint: shoulder, angle_deg: 10, weight: 1000}
+"""
+
+
+def make_problem(knots: int) -> Problem:
+    """Knots of two double integrators: the costs do not depend on the dynamics."""
+    zero, one = np.zeros((2, 2)), np.eye(2)
+    system = LinearSystem(
+        A=np.block([[zero, one], [zero, zero]]),
+        B=np.vstack([zero, one]),
+        C=np.zeros((0, 4)),
+        D=np.zeros((0, 2)),
+    )
+    step = DURATION / (knots - 1)
+    context = system.CreateDefaultContext()
+    collocation = DirectCollocation(system, context, knots, step, step, InputPortIndex(0))
+    times = np.linspace(0.0, DURATION, knots)
+    return Problem(collocation, ("shoulder", "elbow"), times, TARGET)
+
+
+def value(cost: Cost, knots: int, **trajectories) -> float:
+    """A cost's value on trajectories q, v, tau: functions of time (N,) that give (N, 2)."""
+    problem = make_problem(knots)
+    bindings = cost.add(problem)
+    problem.prog.SetInitialGuessForAllVariables(np.zeros(problem.prog.num_vars()))
+    for name, trajectory in trajectories.items():
+        for k, sample in enumerate(trajectory(problem.times)):
+            problem.prog.SetInitialGuess(getattr(problem, name)(k), sample)
+    guess = problem.prog.initial_guess()
+    return sum(float(problem.prog.EvalBinding(binding, guess)[0]) for binding in bindings)
+
+
+def ramp(slopes):
+    return lambda times: np.outer(times, slopes)
+
+
+def constant(values):
+    return lambda times: np.tile(values, (len(times), 1))
+
+
+@pytest.mark.parametrize("knots", [5, 17, 41])
+def test_torque_rate_of_a_ramp_does_not_depend_on_the_knots(knots):
+    cost = TorqueRate(weight=(0.1, 0.3))
+    expected = DURATION * RATE_STEP**2 * (0.1 * 20.0**2 + 0.3 * 5.0**2)
+    assert value(cost, knots, tau=ramp([20.0, -5.0])) == pytest.approx(expected)
+
+
+def test_torque_rate_at_the_papers_step_is_the_papers_sum():
+    knots = round(DURATION / RATE_STEP) + 1
+    torques = np.random.default_rng(1).normal(size=(knots, 2))
+    paper = 0.1 * np.sum(np.diff(torques, axis=0) ** 2)  # sum of du' R du
+    cost = TorqueRate(weight=0.1)
+    assert value(cost, knots, tau=lambda _: torques) == pytest.approx(RATE_STEP * paper)
+
+
+@pytest.mark.parametrize("knots", [5, 41])
+def test_running_costs_are_integrals_over_time(knots):
+    torque = value(Torque(weight=(0.0, 2.0)), knots, tau=constant([7.0, 3.0]))
+    assert torque == pytest.approx(2.0 * 9.0 * DURATION)
+    held = HeldJoint(joint="elbow", angle_deg=90.0, weight=10.0)
+    angle = value(held, knots, q=constant([5.0, np.pi / 2 + 0.1]))
+    assert angle == pytest.approx(10.0 * 0.01 * DURATION)
+    posture = Posture(running=3.0, running_speed=0.5)
+    away = value(posture, knots, q=constant(TARGET + 0.1), v=constant([2.0, 0.0]))
+    assert away == pytest.approx((3.0 * 0.02 + 0.5 * 4.0) * DURATION)
+
+
+def test_final_posture_counts_the_last_knot_alone():
+    cost = Posture(final=(1.0, 10.0), final_speed=2.0)
+    arriving = lambda times: TARGET + np.outer(times < DURATION, [9.0, 9.0])  # noqa: E731
+    assert value(cost, 9, q=arriving) == pytest.approx(0.0)
+    away = value(cost, 9, q=constant(TARGET + np.array([0.1, 0.2])), v=constant([0.0, 0.5]))
+    assert away == pytest.approx(0.01 + 0.4 + 0.5)
+
+
+def test_costs_load_from_yaml():
+    costs = TypeAdapter(list[Cost]).validate_python(yaml.safe_load(COSTS))
+    assert costs == [
+        Posture(running=0.1, final=(1.0, 2.0)),
+        Torque(weight=(0.0, 1.0)),
+        TorqueRate(weight=0.1),
+        HeldJoint(joint="shoulder", angle_deg=10.0, weight=1000.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("{type: torque, weight: 1, wieght: 2}", "wieght"),
+        ("{type: torques, weight: 1}", "held_joint"),
+        ("{type: torque, weight: -1}", "weight"),
+        ("{type: held_joint, joint: elbow, weight: 1}", "angle_deg"),
+    ],
+)
+def test_wrong_yaml_is_refused_with_the_name_of_the_field(text, named):
+    with pytest.raises(ValidationError, match=named):
+        TypeAdapter(Cost).validate_python(yaml.safe_load(text))
+
+
+def test_a_cost_must_fit_the_arm():
+    problem = make_problem(5)
+    with pytest.raises(PlanningError, match=r"wrist.*expected one of shoulder, elbow"):
+        HeldJoint(joint="wrist", angle_deg=0.0, weight=1.0).add(problem)
+    with pytest.raises(PlanningError, match="3 weights"):
+        Torque(weight=(1.0, 2.0, 3.0)).add(problem)
