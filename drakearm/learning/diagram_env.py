@@ -1,0 +1,86 @@
+"""DiagramEnv: a Gymnasium environment around a Drake Diagram."""
+
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+from pydrake.systems.analysis import SimulatorStatus
+from pydrake.systems.framework import Context, Diagram
+
+from drakearm.diagrams import MakeSimulator
+from drakearm.errors import ActionError
+
+Reset = Callable[[Context, np.random.Generator], None]
+
+
+class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
+    """Steps a Diagram with the ports of pydrake.gym: input `actions`, outputs `observations` and `reward` (1,).
+
+    ============ ================================== ===========================================================
+    space        shape                              range and unit
+    ============ ================================== ===========================================================
+    action       (size of the port `actions`,)      float32, 0 to 1: excitations
+    observation  (size of the port `observations`,) float32, unbounded: see `Proprioception`
+    ============ ================================== ===========================================================
+
+    Every other output port of the Diagram appears in `info` under its name, as a float64 array. An action is held for
+    one control step; observation, reward and info are those at its end. An episode is truncated after `episode_steps`;
+    it is terminated where a system of the Diagram reports EventStatus::ReachedTermination.
+
+    reset: puts a root context into a start state, with the environment's own random generator, so that the seed given
+    to `reset` decides everything. The Diagram is built once and its context reset, because each rebuilt one leaks
+    memory.
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)
+
+    def __init__(self, diagram: Diagram, reset: Reset, *, control_step: float, episode_steps: int):
+        self._diagram = diagram
+        self._reset = reset
+        self._control_step = control_step
+        self._episode_steps = episode_steps
+        self._simulator = MakeSimulator(diagram)
+        self._context = self._simulator.get_mutable_context()
+        self._actions = diagram.GetInputPort("actions")
+        self._observations = diagram.GetOutputPort("observations")
+        self._reward = diagram.GetOutputPort("reward")
+        outputs = [diagram.get_output_port(i) for i in range(diagram.num_output_ports())]
+        self._info = {port.get_name(): port for port in outputs}
+        del self._info["observations"], self._info["reward"]
+        self._steps = 0
+        self.action_space = gymnasium.spaces.Box(0.0, 1.0, (self._actions.size(),), np.float32)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (self._observations.size(),), np.float32)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Starts an episode; see gymnasium.Env.reset. There are no options."""
+        super().reset(seed=seed)
+        self._steps = 0
+        self._context.SetTime(0.0)
+        self._diagram.SetDefaultContext(self._context)
+        self._actions.FixValue(self._context, np.zeros(self._actions.size()))
+        self._reset(self._context, self.np_random)
+        self._simulator.Initialize()
+        return self._observe()
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Holds the action for one control step. Raises ActionError unless it has the right shape and is finite."""
+        values = np.asarray(action, dtype=np.float64)
+        if values.shape != self.action_space.shape or not np.isfinite(values).all():
+            raise ActionError(
+                f"The action of step {self._steps} is {np.array2string(values, threshold=20)}: "
+                f"expected {self._actions.size()} finite excitations."
+            )
+        self._steps += 1
+        self._actions.FixValue(self._context, values)
+        status = self._simulator.AdvanceTo(self._steps * self._control_step)
+        terminated = status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition
+        observation, info = self._observe()
+        reward = float(self._reward.Eval(self._context)[0])
+        return observation, reward, terminated, self._steps >= self._episode_steps, info
+
+    def _observe(self) -> tuple[np.ndarray, dict[str, Any]]:
+        observation = self._observations.Eval(self._context).astype(np.float32)
+        return observation, {name: port.Eval(self._context) for name, port in self._info.items()}

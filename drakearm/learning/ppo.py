@@ -1,0 +1,283 @@
+"""Proximal policy optimization (Schulman et al. 2017), from top to bottom.
+
+A batch is collected with the present policy, then used for some epochs of minibatch updates
+whose step away from that policy is clipped.
+"""
+
+import csv
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, fields
+from dataclasses import dataclass as plain_dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import torch
+from gymnasium.spaces import Box
+from gymnasium.vector import VectorEnv
+from pydantic import ConfigDict, Field, PositiveFloat, PositiveInt
+from pydantic.dataclasses import dataclass
+from torch import nn
+
+from drakearm.errors import TrainingError
+from drakearm.learning.policy import Actor, Critic, Policy
+from drakearm.learning.rollout import Collector, Rollout, gae
+
+UnitInterval = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
+class PpoSettings:
+    """How to train. The defaults learn the timing movement in 480 thousand steps."""
+
+    batches: PositiveInt = 200  # rounds of collecting and updating
+    environments: PositiveInt = 32  # arms side by side: what the vector environment must hold
+    steps: PositiveInt = 75  # control steps per environment and batch
+    epochs: PositiveInt = 10  # passes over a batch
+    minibatches: PositiveInt = 8  # updates per pass
+    learning_rate: PositiveFloat = 1e-3  # Adam's in the first batch, falls linearly to zero
+    gamma: UnitInterval = 0.97  # discount per control step
+    gae_lambda: UnitInterval = 0.95  # 0: one-step advantages, 1: whole returns
+    clip: PositiveFloat = 0.2  # how far an action's probability ratio may usefully leave 1
+    max_grad_norm: PositiveFloat = 0.5  # longer gradients are shortened to this
+    value_weight: PositiveFloat = 0.5  # of the value loss beside the policy loss
+    initial_std: PositiveFloat = 0.3  # of the actions, in their own unit
+    initial_action: float = 0.15  # mean of the actions, in their own unit
+    actor_layers: tuple[PositiveInt, ...] = (64,) * 5  # widths of the hidden layers, tanh
+    critic_layers: tuple[PositiveInt, ...] = (64,) * 3  # widths of the hidden layers, PReLU
+
+
+@plain_dataclass(frozen=True)
+class BatchReport:
+    """How the training stands after a batch; a row of the log."""
+
+    batch: int  # from 1
+    batches: int
+    steps: int  # transitions so far, over all environments
+    steps_per_second: float  # in this batch, updates included
+    seconds_left: float  # if the other batches take as long as those so far
+    mean_reward: float  # mean return of the episodes that ended in this batch; nan if none did
+    tracking_error: float  # mean absolute error, rad; nan where environments do not tell
+    approx_kl: float  # nats, between the policy that collected and the one being updated
+    clip_fraction: float  # share of transitions whose ratio has left the clip range
+    explained_variance: float  # of the returns by the critic: 1 perfect, 0 no better than the mean
+    policy_loss: float
+    value_loss: float
+    entropy: float  # nats
+    std: float  # of the actions, mean over their elements
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Torch computes on one thread meanwhile.
+
+    These networks are too small to share out, and idle threads of a pool spin: with two pools
+    on two cores, training was a hundred times slower.
+    """
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
+
+
+@_one_thread()
+def train(
+    envs: VectorEnv,
+    settings: PpoSettings,
+    *,
+    seed: int,
+    metadata: dict[str, Any],
+    log_path: Path | None = None,
+    checkpoint_path: Path | None = None,
+    on_batch: Callable[[BatchReport], None] | None = None,
+) -> Policy:
+    """A policy for `envs`, which stay open; the same seed gives the same policy, bit for bit.
+
+    `metadata` goes into the policy. `log_path` gets a CSV row a batch, with the fields of
+    BatchReport; `checkpoint_path` the policy so far after every tenth of the batches and at the
+    end; `on_batch` is called after every batch. Raises TrainingError for environments that PPO
+    cannot use and as soon as a number is not finite.
+    """
+    observation_space, action_space = _suitable_spaces(envs, settings)
+    generator = torch.Generator().manual_seed(seed)
+    policy = _initial_policy(observation_space, action_space, settings, metadata, generator)
+    weights = _flat_weights(policy)
+    optimizer = torch.optim.Adam([weights], lr=settings.learning_rate, fused=True)
+    collector = Collector(envs, settings.steps, seed)
+
+    steps = 0
+    start = batch_start = time.perf_counter()
+    with ExitStack() as stack:
+        write_row = _csv_log(log_path, stack)
+        for batch in range(1, settings.batches + 1):
+            optimizer.param_groups[0]["lr"] = settings.learning_rate * (1 - (batch - 1) / settings.batches)
+            rollout = collector.collect(policy.actor, generator, batch)
+            diagnostics = _update(policy, weights, optimizer, rollout, settings, generator, batch)
+
+            now = time.perf_counter()
+            batch_steps = int(rollout.valid.sum())
+            steps += batch_steps
+            returns = rollout.episode_returns
+            report = BatchReport(
+                batch=batch,
+                batches=settings.batches,
+                steps=steps,
+                steps_per_second=batch_steps / (now - batch_start),
+                seconds_left=(now - start) / batch * (settings.batches - batch),
+                mean_reward=float(np.mean(returns)) if returns else math.nan,
+                tracking_error=rollout.tracking_error,
+                entropy=policy.actor.entropy().item(),
+                std=policy.actor.log_std.exp().mean().item(),
+                **diagnostics,
+            )
+            batch_start = now
+            write_row(report)
+            if checkpoint_path and (batch % max(1, settings.batches // 10) == 0 or batch == settings.batches):
+                policy.save(checkpoint_path)
+            if on_batch:
+                on_batch(report)
+    return policy
+
+
+def _update(
+    policy: Policy,
+    weights: nn.Parameter,
+    optimizer: torch.optim.Optimizer,
+    rollout: Rollout,
+    settings: PpoSettings,
+    generator: torch.Generator,
+    batch: int,
+) -> dict[str, float]:
+    """Improves `policy` on `rollout`; returns the diagnostics, means over all minibatches."""
+    with torch.no_grad():
+        all_values = policy.critic(rollout.observations)
+        next_values = policy.critic(rollout.successors)
+        all_log_probs = policy.actor.log_prob(rollout.observations, rollout.actions)
+    all_advantages = torch.from_numpy(
+        gae(
+            rollout.rewards.numpy(),
+            all_values.numpy(),
+            next_values.numpy(),
+            rollout.terminated.numpy(),
+            rollout.ended.numpy(),
+            settings.gamma,
+            settings.gae_lambda,
+        )
+    )
+    observations = rollout.observations[rollout.valid]
+    actions = rollout.actions[rollout.valid]
+    log_probs = all_log_probs[rollout.valid]
+    advantages = all_advantages[rollout.valid]
+    values = all_values[rollout.valid]
+    returns = values + advantages
+    explained_variance = 1 - (returns - values).var() / returns.var()
+    # Over the whole batch: a minibatch's own mean and deviation would be noise on top.
+    advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
+
+    sums = torch.zeros(4)
+    for _ in range(settings.epochs):
+        order = torch.randperm(len(returns), generator=generator)
+        for rows in order.tensor_split(settings.minibatches):
+            seen, gain = observations[rows], advantages[rows]
+            log_ratio = policy.actor.log_prob(seen, actions[rows]) - log_probs[rows]
+            ratio = log_ratio.exp()
+            clipped = ratio.clamp(1 - settings.clip, 1 + settings.clip)
+            policy_loss = -torch.minimum(ratio * gain, clipped * gain).mean()
+            value_loss = (policy.critic(seen) - returns[rows]).square().mean()
+
+            optimizer.zero_grad(set_to_none=False)  # the parameters' gradients are views of it
+            (policy_loss + settings.value_weight * value_loss).backward()
+            norm = nn.utils.clip_grad_norm_(weights, settings.max_grad_norm)
+            if not norm.isfinite():  # nor is it where the loss is not
+                raise TrainingError(
+                    f"The gradient of the loss is not finite in batch {batch}: "
+                    "a smaller learning rate or smaller rewards may help."
+                )
+            optimizer.step()
+
+            with torch.no_grad():
+                approx_kl = (ratio - 1 - log_ratio).mean()  # Schulman 2020, estimator k3
+                clip_fraction = (ratio != clipped).float().mean()
+                sums += torch.stack([policy_loss, value_loss, approx_kl, clip_fraction])
+
+    means = (sums / (settings.epochs * settings.minibatches)).tolist()
+    names = ("policy_loss", "value_loss", "approx_kl", "clip_fraction")
+    return {**dict(zip(names, means, strict=True)), "explained_variance": explained_variance.item()}
+
+
+def _initial_policy(
+    observation_space: Box,
+    action_space: Box,
+    settings: PpoSettings,
+    metadata: dict[str, Any],
+    generator: torch.Generator,
+) -> Policy:
+    n_observations = observation_space.shape[0]
+    actor = Actor(
+        n_observations,
+        action_space.shape[0],
+        settings.actor_layers,
+        initial_action=settings.initial_action,
+        initial_std=settings.initial_std,
+        generator=generator,
+    )
+    critic = Critic(n_observations, settings.critic_layers, generator=generator)
+    return Policy(actor, critic, action_space.low, action_space.high, metadata)
+
+
+def _flat_weights(policy: Policy) -> nn.Parameter:
+    """All weights of `policy` as one vector, of which its parameters and gradients become views.
+
+    Clipping and Adam then cost one operation each, not one for each of 24 small tensors.
+    """
+    parameters = list(policy.parameters())
+    flat = nn.Parameter(nn.utils.parameters_to_vector(parameters).detach())
+    flat.grad = torch.zeros_like(flat)
+    sizes = [parameter.numel() for parameter in parameters]
+    for parameter, data, grad in zip(parameters, flat.data.split(sizes), flat.grad.split(sizes), strict=True):
+        parameter.data = data.view_as(parameter)
+        parameter.grad = grad.view_as(parameter)
+    return flat
+
+
+def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:
+    """The spaces of one observation and one action, if PPO can train on `envs` with `settings`."""
+    spaces = []
+    for name in ("observation", "action"):
+        space = getattr(envs, f"single_{name}_space")
+        if not isinstance(space, Box) or len(space.shape) != 1:
+            raise TrainingError(f"PPO needs a Box of one axis as {name} space, but found {space}.")
+        spaces.append(space)
+    if envs.num_envs != settings.environments:
+        raise TrainingError(
+            f"The settings ask for {settings.environments} environments, "
+            f"but the vector environment holds {envs.num_envs}."
+        )
+    # Half of them, because every other step may be a reset.
+    if settings.steps * settings.environments // 2 < settings.minibatches:
+        raise TrainingError(
+            f"{settings.minibatches} minibatches are too many for batches of {settings.steps} "
+            f"steps in {settings.environments} environments."
+        )
+    return spaces[0], spaces[1]
+
+
+def _csv_log(path: Path | None, stack: ExitStack) -> Callable[[BatchReport], None]:
+    """A function that appends a row to the new file `path`; `stack` closes it."""
+    if path is None:
+        return lambda report: None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    file = stack.enter_context(path.open("w", newline=""))
+    writer = csv.DictWriter(file, [field.name for field in fields(BatchReport)])
+    writer.writeheader()
+
+    def write_row(report: BatchReport) -> None:
+        writer.writerow(asdict(report))
+        file.flush()  # a training that is watched, or killed, has its log
+
+    return write_row

@@ -1,0 +1,147 @@
+"""Experience for PPO: transitions of many environments side by side, and their advantages.
+
+Arrays are (steps T, environments N, ...), float32. A vector environment of Gymnasium resets an
+environment that ended by itself; what that means for the transitions is dealt with here.
+"""
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+import torch
+from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode, VectorEnv
+from numpy.typing import NDArray
+from torch import Tensor
+
+from drakearm.errors import TrainingError
+from drakearm.learning.policy import Actor
+
+
+def gae(
+    rewards: NDArray[Any],
+    values: NDArray[Any],
+    next_values: NDArray[Any],
+    terminated: NDArray[np.bool_],
+    ended: NDArray[np.bool_],
+    gamma: float,
+    lam: float,
+) -> NDArray[Any]:
+    """Generalized advantage estimates, (T, N) (Schulman et al. 2016, equation 16).
+
+    All arrays are (T, N). `next_values` are the values of the true successors: at a time limit
+    that of the last state, not that of the first after the reset. `terminated` marks transitions
+    into a state without a future, whose next value counts as 0; `ended` those after which the
+    trajectory stops, be it terminated or truncated.
+    """
+    deltas = rewards + gamma * next_values * ~terminated - values
+    decay = gamma * lam * ~ended
+    advantages = np.empty_like(deltas)
+    following = np.zeros_like(deltas[0])
+    for t in reversed(range(len(deltas))):
+        advantages[t] = following = deltas[t] + decay[t] * following
+    return advantages
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """The transitions of one batch, (T, N) each, and what to tell of them."""
+
+    observations: Tensor  # (T, N, n_obs), before the action
+    actions: Tensor  # (T, N, n_act), as sampled, not clipped
+    successors: Tensor  # (T, N, n_obs), after the action and before any reset
+    rewards: Tensor
+    terminated: Tensor  # bool: the successor has no future
+    ended: Tensor  # bool: terminated, or truncated by a time limit
+    valid: Tensor  # bool: False for the steps that only reset an environment
+    episode_returns: list[float]  # sums of the rewards of the episodes that ended in this batch
+    tracking_error: float  # mean absolute error, rad; nan where environments do not tell
+
+
+class Collector:
+    """Walks through `envs`, `steps` at a time; episodes go on from one batch to the next."""
+
+    def __init__(self, envs: VectorEnv, steps: int, seed: int) -> None:
+        mode = envs.metadata.get("autoreset_mode")
+        if mode not in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+            raise TrainingError(
+                "PPO needs vector environments that reset themselves, with the autoreset mode "
+                f"NEXT_STEP or SAME_STEP, but was given {mode}."
+            )
+        self._envs = envs
+        self._steps = steps
+        self._same_step = mode == AutoresetMode.SAME_STEP
+        actions = cast(Box, envs.single_action_space)
+        self._low, self._high = actions.low, actions.high
+        self._observation, _ = envs.reset(seed=seed)
+        self._resets_next = np.zeros(envs.num_envs, dtype=bool)
+        self._returns = np.zeros(envs.num_envs)
+
+    @torch.no_grad()
+    def collect(self, actor: Actor, generator: torch.Generator, batch: int) -> Rollout:
+        """The next transitions, with actions sampled from `actor`.
+
+        Raises TrainingError, which names `batch`, if an observation or reward is not finite.
+        """
+        # Torch's memory rather than NumPy's: it is aligned, which makes products repeatable.
+        shape = (self._steps, self._envs.num_envs)
+        observations = torch.empty(*shape, self._observation.shape[-1])
+        successors = torch.empty_like(observations)
+        actions = torch.empty(*shape, len(self._low))
+        rewards = torch.empty(shape)
+        terminated, ended, valid = (torch.empty(shape, dtype=torch.bool) for _ in range(3))
+        noise = actor.log_std.exp() * torch.randn(actions.shape, generator=generator)
+        episode_returns: list[float] = []
+        errors: list[NDArray[Any]] = []
+
+        for t in range(self._steps):
+            observations[t] = torch.as_tensor(self._observation)
+            _require_finite(observations[t], "an observation", batch)
+            actions[t] = actor(observations[t]) + noise[t]
+            bounded = np.clip(actions[t].numpy(), self._low, self._high)
+            observation, reward, terminal, truncated, infos = self._envs.step(bounded)
+
+            over = terminal | truncated
+            moved = ~self._resets_next
+            successors[t] = torch.as_tensor(observation)
+            if self._same_step and over.any():
+                successors[t, over] = torch.as_tensor(np.stack(infos["final_obs"][over]), dtype=torch.float32)
+            rewards[t] = torch.as_tensor(reward)
+            terminated[t] = torch.as_tensor(terminal)
+            ended[t] = torch.as_tensor(over)
+            valid[t] = torch.as_tensor(moved)
+            errors += _tracking_errors(infos, moved)
+
+            self._returns += reward * moved
+            episode_returns += self._returns[over].tolist()
+            self._returns[over] = 0.0
+            self._observation = observation
+            if not self._same_step:
+                self._resets_next = over
+
+        _require_finite(successors, "an observation", batch)
+        _require_finite(rewards, "a reward", batch)
+        return Rollout(
+            observations=observations,
+            actions=actions,
+            successors=successors,
+            rewards=rewards,
+            terminated=terminated,
+            ended=ended,
+            valid=valid,
+            episode_returns=episode_returns,
+            tracking_error=float(np.concatenate(errors).mean()) if errors else float("nan"),
+        )
+
+
+def _require_finite(values: Tensor, name: str, batch: int) -> None:
+    if not values.isfinite().all():
+        raise TrainingError(f"The environments returned {name} that is not finite in batch {batch}.")
+
+
+def _tracking_errors(infos: dict[str, Any], moved: NDArray[np.bool_]) -> list[NDArray[Any]]:
+    """The absolute tracking errors, flat, of the environments that `moved` and told theirs."""
+    if "tracking_error" not in infos:
+        return []
+    told = moved & infos.get("_tracking_error", True)
+    return [np.abs(infos["tracking_error"][told]).ravel()]

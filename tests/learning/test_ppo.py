@@ -1,0 +1,262 @@
+"""PPO on small environments whose answers are known."""
+
+import csv
+import math
+from dataclasses import fields, replace
+
+import gymnasium
+import numpy as np
+import pytest
+import torch
+from gymnasium.spaces import Box, Discrete
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from pydantic import TypeAdapter, ValidationError
+
+from drakearm.errors import TrainingError
+from drakearm.learning.policy import Actor, Policy
+from drakearm.learning.ppo import BatchReport, PpoSettings, train
+from drakearm.learning.rollout import Collector
+
+NEXT_STEP, SAME_STEP = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP
+
+SMALL = PpoSettings(
+    batches=3,
+    environments=4,
+    steps=16,
+    epochs=4,
+    minibatches=4,
+    initial_action=0.0,
+    actor_layers=(16, 16),
+    critic_layers=(16,),
+)
+
+
+class Counter(gymnasium.Env):
+    """Observes the number of steps so far; reward 1 a step; ends after `length` of them."""
+
+    observation_space = Box(-np.inf, np.inf, (1,), np.float64)
+    action_space: gymnasium.Space = Box(-1.0, 1.0, (1,), np.float64)
+
+    def __init__(self, length=5, terminates=False, reward=1.0):
+        self.length, self.terminates, self.reward = length, terminates, reward
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.count = 0
+        return np.zeros(1), {}
+
+    def step(self, action):
+        assert self.action_space.contains(action)
+        self.count += 1
+        end = self.count == self.length
+        observation = np.array([float(self.count)])
+        return observation, self.reward, end and self.terminates, end and not self.terminates, {}
+
+
+class Tracker(gymnasium.Env):
+    """A point that moves by its action and should follow a sine; a time limit of 20 steps.
+
+    Observes position and target; the best action is their difference and earns 0.
+    """
+
+    observation_space = Box(-np.inf, np.inf, (2,), np.float32)
+    action_space = Box(-1.0, 1.0, (1,), np.float32)
+
+    def _observation(self):
+        self.target = math.sin(self.phase + 0.3 * self.count)
+        return np.array([self.position, self.target], dtype=np.float32)
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.phase = self.np_random.uniform(0, 2 * math.pi)
+        self.count = 0
+        self.position = math.sin(self.phase)
+        return self._observation(), {}
+
+    def step(self, action):
+        self.position += float(action[0])
+        error = self.target - self.position
+        self.count += 1
+        info = {"tracking_error": np.array([error, -error])}
+        return self._observation(), -(error**2), False, self.count == 20, info
+
+
+def vectorize(environment, n=4, mode=NEXT_STEP, **arguments):
+    return SyncVectorEnv([lambda: environment(**arguments)] * n, autoreset_mode=mode)
+
+
+def collect(envs, steps, batches=1):
+    collector = Collector(envs, steps, seed=0)
+    actor = Actor(1, 1, (4,), initial_action=0.0, initial_std=5.0)
+    generator = torch.Generator()
+    return [collector.collect(actor, generator, batch) for batch in range(1, batches + 1)]
+
+
+@pytest.mark.parametrize("terminates", [False, True])
+@pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
+def test_a_batch_holds_the_true_successors_and_no_resets(mode, terminates):
+    envs = vectorize(Counter, mode=mode, length=5, terminates=terminates)
+    rollouts = collect(envs, steps=8, batches=3)  # ends and resets fall on both sides of a seam
+    valid = torch.cat([rollout.valid for rollout in rollouts])
+    before = torch.cat([rollout.observations for rollout in rollouts])[valid]
+    after = torch.cat([rollout.successors for rollout in rollouts])[valid]
+    ended = torch.cat([rollout.ended for rollout in rollouts])[valid]
+    terminated = torch.cat([rollout.terminated for rollout in rollouts])[valid]
+
+    assert torch.equal(after, before + 1)
+    assert torch.equal(ended, after[:, 0] == 5)
+    assert torch.equal(terminated, ended & terminates)
+    assert valid.sum() == 4 * (20 if mode == NEXT_STEP else 24)  # 5 of 6 steps, or all
+    returns = [value for rollout in rollouts for value in rollout.episode_returns]
+    assert returns == [5.0] * 16
+
+
+def test_actions_are_kept_as_sampled_and_clipped_for_the_environment():
+    (rollout,) = collect(vectorize(Counter), steps=8)  # Counter asserts that they are in bounds
+    assert rollout.actions.abs().max() > 1
+
+
+@pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
+@pytest.mark.parametrize(("terminates", "value"), [(False, 1 / (1 - 0.7)), (True, 1 + 0.7 + 0.7**2)])
+def test_value_looks_beyond_a_time_limit_but_not_beyond_a_termination(mode, terminates, value):
+    envs = vectorize(Counter, mode=mode, length=3, terminates=terminates)
+    settings = replace(SMALL, batches=50, gamma=0.7, learning_rate=1e-2)
+    reports = []
+    policy = train(envs, settings, seed=0, metadata={}, on_batch=reports.append)
+    assert policy.critic(torch.zeros(1)).item() == pytest.approx(value, rel=0.15)
+    if terminates:  # then the returns vary, and only with what the critic sees
+        assert reports[-1].explained_variance > 0.95
+
+
+@pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
+def test_learns_to_track(mode):
+    settings = replace(SMALL, batches=40, environments=8, steps=40, epochs=8, learning_rate=3e-3, gamma=0.9)
+    reports = []
+    envs = vectorize(Tracker, n=8, mode=mode)
+    policy = train(envs, settings, seed=1, metadata={}, on_batch=reports.append)
+    first, last = reports[0], reports[-1]
+    assert first.mean_reward < -5
+    assert last.tracking_error < 0.15 < first.tracking_error  # rad, with exploration
+    assert last.std < 0.15 < first.std
+    assert last.steps == 40 * 320 if mode == SAME_STEP else last.steps < 40 * 320
+
+    envs = vectorize(Tracker, n=32, mode=SAME_STEP)
+    observation, _ = envs.reset(seed=99)
+    rewards = []
+    for _ in range(20):
+        observation, reward, *_ = envs.step(policy.act(observation))
+        rewards.append(reward)
+    assert np.mean(np.sum(rewards, axis=0)) > -0.2  # at most 0; standing still earns about -20
+
+
+def test_the_same_seed_gives_the_same_policy():
+    def weights(seed):
+        policy = train(vectorize(Tracker), SMALL, seed=seed, metadata={})
+        return torch.cat([parameter.detach().ravel() for parameter in policy.parameters()])
+
+    torch.manual_seed(0)
+    first = weights(7)
+    torch.manual_seed(1)
+    assert torch.equal(first, weights(7))
+    assert not torch.equal(first, weights(8))
+
+
+def test_log_has_a_row_a_batch_that_says_what_on_batch_was_told(tmp_path):
+    path = tmp_path / "run" / "training.csv"
+    reports = []
+    rows_seen = []
+
+    def on_batch(report):
+        reports.append(report)
+        rows_seen.append(len(path.read_text().splitlines()) - 1)
+
+    train(vectorize(Tracker), SMALL, seed=0, metadata={}, log_path=path, on_batch=on_batch)
+    with path.open() as file:
+        rows = list(csv.DictReader(file))
+    assert rows_seen == [1, 2, 3]  # written as it goes
+    assert list(rows[0]) == [field.name for field in fields(BatchReport)]
+    assert [int(row["batch"]) for row in rows] == [1, 2, 3]
+    for row, report in zip(rows, reports, strict=True):
+        assert float(row["tracking_error"]) == report.tracking_error > 0
+        assert float(row["approx_kl"]) == report.approx_kl >= 0
+    assert math.isnan(reports[0].mean_reward)  # 16 steps, and no episode is that short
+    assert reports[1].mean_reward < 0
+    assert reports[-1].seconds_left == 0
+
+
+def test_tracking_error_is_nan_where_environments_do_not_tell():
+    reports = []
+    train(vectorize(Counter), SMALL, seed=0, metadata={}, on_batch=reports.append)
+    assert all(math.isnan(report.tracking_error) for report in reports)
+
+
+def test_a_killed_training_leaves_a_checkpoint_and_a_finished_one_the_policy(tmp_path):
+    path = tmp_path / "policy.safetensors"
+    settings = replace(SMALL, batches=20)
+
+    def kill(report):
+        if report.batch == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train(vectorize(Tracker), settings, seed=0, metadata={}, checkpoint_path=path, on_batch=kill)
+    observation = np.array([0.1, 0.2])
+    early = Policy.load(path).act(observation)
+    policy = train(vectorize(Tracker), settings, seed=0, metadata={"a": 1}, checkpoint_path=path)
+    final = Policy.load(path)
+    np.testing.assert_array_equal(final.act(observation), policy.act(observation))
+    assert final.metadata == {"a": 1}
+    assert (final.act(observation) != early).any()
+
+
+def test_thread_count_is_as_before():
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        train(vectorize(Counter), replace(SMALL, batches=1), seed=0, metadata={})
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
+
+
+class Discretes(Counter):
+    action_space = Discrete(3)
+
+
+class Breaks(Counter):
+    """Observes nan at its 20th step."""
+
+    def step(self, action):
+        _, *rest = super().step(action)
+        return np.array([math.nan if self.count == 20 else 0.0]), *rest
+
+
+@pytest.mark.parametrize(
+    ("environment", "arguments", "changes", "sentence"),
+    [
+        (Counter, {"mode": AutoresetMode.DISABLED}, {}, "autoreset mode NEXT_STEP or SAME_STEP"),
+        (Discretes, {}, {}, "Box of one axis as action space"),
+        (Counter, {"n": 3}, {}, "ask for 4 environments, but the vector environment holds 3"),
+        (Counter, {}, {"minibatches": 40}, "40 minibatches are too many"),
+        (Breaks, {"length": 100}, {}, "an observation that is not finite in batch 2"),
+        (Counter, {"reward": math.inf}, {}, "a reward that is not finite in batch 1"),
+        (Counter, {"reward": 1e30}, {}, "gradient of the loss is not finite in batch 1"),
+    ],
+)
+def test_what_cannot_be_trained_is_refused_in_a_sentence(environment, arguments, changes, sentence):
+    with pytest.raises(TrainingError, match=sentence):
+        train(vectorize(environment, **arguments), replace(SMALL, **changes), seed=0, metadata={})
+
+
+def test_settings_come_from_plain_data():
+    read = TypeAdapter(PpoSettings).validate_python
+    assert read({"batches": 7, "actor_layers": [8, 8]}) == PpoSettings(batches=7, actor_layers=(8, 8))
+    for wrong in (
+        {"batch": 7},
+        {"steps": 0},
+        {"gamma": 1.5},
+        {"learning_rate": math.inf},
+        {"critic_layers": [64, 0]},
+    ):
+        with pytest.raises(ValidationError, match=next(iter(wrong))):
+            read(wrong)
