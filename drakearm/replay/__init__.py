@@ -1,0 +1,5 @@
+"""Replays of recorded movements: Meshcat scenes in one-file web pages."""
+
+from drakearm.replay.replay import write_replay
+
+__all__ = ["write_replay"]

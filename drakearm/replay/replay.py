@@ -1,0 +1,50 @@
+"""Writes the replay of a recorded movement: one HTML file that needs nothing else."""
+
+from pathlib import Path
+
+import numpy as np
+from pydrake.geometry import MeshcatAnimation
+
+from drakearm.model import Arm
+from drakearm.model.recording import Recording
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.replay.page import make_page
+from drakearm.replay.scene import ReplayScene
+
+PLAYBACK_SPEED = 0.25  # movements last less than a second
+_PAUSE = 0.15  # s of movement time, between the end and the next repetition
+_FOREVER = 1_000_000  # repetitions
+
+
+def write_replay(
+    file: Path,
+    arm: Arm,
+    recording: Recording,
+    *,
+    load_mass: float = 0.0,
+    title: str = "drakearm replay",
+) -> None:
+    """Writes a web page that repeats the recorded movement in slow motion.
+
+    It shows the arm with muscles colored by activation, the reference posture as a ghost, the path
+    of the hand's tip, and the load (load_mass, kg), if there is one. Append #t=0.3 to the page's
+    address to see the arm stand at 0.3 s.
+    """
+    scene = ReplayScene(arm, load_mass)
+    scene.draw_tip_path(recording.q)
+    scene.frame_camera(np.vstack([recording.q, recording.reference_q]))
+    scene.draw(recording, 0)
+    frames_per_second = PLAYBACK_SPEED / CONTROL_STEP
+    meshcat = scene.meshcat
+    meshcat.StartRecording(frames_per_second, set_visualizations_while_recording=False)
+    last = len(recording.t) - 1
+    pause = round(_PAUSE / CONTROL_STEP)
+    for frame, i in [*((i, i) for i in range(last + 1)), (last + pause, last)]:
+        scene.draw(recording, i, (frame + 0.5) / frames_per_second)  # Meshcat rounds down
+    meshcat.StopRecording()
+    animation = meshcat.get_mutable_recording()
+    animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
+    animation.set_repetitions(_FOREVER)
+    meshcat.PublishRecording()
+    page = make_page(meshcat.StaticHtml(), title, PLAYBACK_SPEED, recording.t[-1] - recording.t[0])
+    Path(file).write_text(page, encoding="utf-8")

@@ -1,0 +1,54 @@
+"""The visual shapes of a plant's bodies in Meshcat: as they are, or as a ghost."""
+
+from pydrake.geometry import Meshcat, Rgba, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
+
+_PLAIN = Rgba(0.9, 0.9, 0.9, 1.0)
+_GHOST_SCALE = [1.35, 1.35, 1.02]  # across and along a capsule
+_BACK_SIDE = 1.0  # of the faces, in three.js
+
+
+class SkeletonDrawing:
+    """The shapes of a plant's bodies, to be moved with them; those of body b are at `<path>/b`."""
+
+    def __init__(
+        self,
+        meshcat: Meshcat,
+        path: str,
+        plant: MultibodyPlant,
+        scene_graph: SceneGraph,
+        ghost: Rgba | None = None,
+    ):
+        """plant: finalized, and a source of the scene_graph.
+
+        ghost: draws only the bodies that move, in this color, a little thicker and only their far
+        side: where the ghost meets the body itself, it is a rim around it.
+        """
+        self._meshcat = meshcat
+        self._bodies: list[tuple[int, str]] = []
+        inspector = scene_graph.model_inspector()
+        for i in range(plant.num_bodies()):
+            body = plant.get_body(BodyIndex(i))
+            geometries = plant.GetVisualGeometriesForBody(body)
+            if not geometries or (ghost is not None and plant.IsAnchored(body)):
+                continue
+            self._bodies.append((i, f"{path}/{body.name()}"))
+            for k, geometry in enumerate(geometries):
+                part = f"{path}/{body.name()}/{k}"
+                properties = inspector.GetIllustrationProperties(geometry)
+                color = properties.GetPropertyOrDefault("phong", "diffuse", _PLAIN)
+                meshcat.SetTransform(part, inspector.GetPoseInFrame(geometry))
+                meshcat.SetObject(f"{part}/shape", inspector.GetShape(geometry), ghost or color)
+                if ghost is not None:
+                    meshcat.SetProperty(f"{part}/shape", "scale", _GHOST_SCALE)
+                    meshcat.SetProperty(f"{part}/shape/<object>", "material.side", _BACK_SIDE)
+
+    def draw(self, X_WB: list[RigidTransform], time_in_recording: float | None = None) -> None:
+        """Moves the shapes to body poses X_WB, in order of BodyIndex.
+
+        time_in_recording: s, also keeps this frame if Meshcat is recording.
+        """
+        for index, path in self._bodies:
+            self._meshcat.SetTransform(path, X_WB[index], time_in_recording)

@@ -1,0 +1,127 @@
+"""What a replay's page must hold, and that a browser shows it."""
+
+import re
+import shutil
+import subprocess
+from base64 import b64decode
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from drakearm.model import Arm, load_arm
+from drakearm.model.recording import Recording
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.replay import write_replay
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+SAMPLES = 21
+
+
+@pytest.fixture(scope="module")
+def arm() -> Arm:
+    return load_arm()
+
+
+@pytest.fixture(scope="module")
+def recording(arm: Arm) -> Recording:
+    n = len(arm.muscles)
+    share = np.linspace(0.0, 1.0, SAMPLES)[:, None]
+    q = np.hstack([0.4 * share, 0.3 + 1.4 * share])
+    muscles = np.zeros((SAMPLES, n))
+    return Recording(
+        t=CONTROL_STEP * np.arange(SAMPLES),
+        q=q,
+        v=np.gradient(q, CONTROL_STEP, axis=0),
+        reference_q=q + 0.2,
+        reference_v=np.gradient(q, CONTROL_STEP, axis=0),
+        excitation=muscles,
+        activation=np.repeat(share, n, axis=1),
+        fiber_length=muscles,
+        fiber_velocity=muscles,
+        tendon_force=muscles,
+        reward=np.zeros(SAMPLES),
+    )
+
+
+@pytest.fixture(scope="module")
+def page(arm: Arm, recording: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("replay") / "replay.html"
+    write_replay(file, arm, recording, load_mass=2.0, title="Lift <2 kg>")
+    return file
+
+
+def _commands(page: Path) -> list[bytes]:
+    """The commands to Meshcat that a page holds, as msgpack."""
+    codes = re.findall(r'fetch\("data:[^,"]*,([^"]*)"', page.read_text())
+    return [b64decode(code) for code in codes]
+
+
+def test_every_piece_of_every_muscle_moves_in_every_frame(page: Path, arm: Arm) -> None:
+    (animation,) = [c for c in _commands(page) if b"set_animation" in c]
+    clips = animation.split(b"\xa4path")[1:]
+    frames = SAMPLES + 1  # the last one ends the pause before the repetition
+    for muscle in arm.muscles:
+        for k in range(len(muscle.points) - 1):
+            piece = f"/drakearm/muscles/{muscle.name}/{k}"
+            pose, stretch = (_of(clips, name) for name in (piece, f"{piece}/cylinder"))
+            color = _of(clips, f"{piece}/cylinder/unit/<object>")
+            assert pose.count(b"\xa4time") == 2 * frames  # position and quaternion
+            assert stretch.count(b"\xa4time") == frames
+            assert color.count(b"\xa4time") == 3 * frames  # red, green, blue
+    for body in ("arm/hand", "reference/hand", "arm/load"):
+        assert _of(clips, f"/drakearm/{body}").count(b"\xa4time") == 2 * frames
+
+
+def _of(clips: list[bytes], path: str) -> bytes:
+    """The clip of a path."""
+    (clip,) = [clip for clip in clips if clip.split(b"\xa4clip")[0].endswith(path.encode())]
+    return clip
+
+
+def test_page_loads_nothing_from_elsewhere(page: Path) -> None:
+    text = page.read_text()
+    assert not re.findall(r"<(?:script|link|img|iframe)[^>]*(?:src|href)\s*=", text)
+    assert not re.findall(r"""(?:fetch|import|WebSocket)\(\s*["'](?:https?|wss?):""", text)
+    assert not re.findall(r"@import|url\(\s*[\"']?https?:", text)
+
+
+def test_title_is_text(page: Path) -> None:
+    text = page.read_text()
+    assert "<title>Lift &lt;2 kg&gt;</title>" in text
+    assert "<h1>Lift &lt;2 kg&gt;</h1>" in text
+
+
+def _picture(page: Path, time: float) -> np.ndarray:
+    file = page.with_name(f"{time}.png")
+    subprocess.run(
+        [
+            str(CHROMIUM),
+            "--headless",
+            "--no-sandbox",
+            "--use-angle=swiftshader",
+            "--enable-unsafe-swiftshader",
+            f"--user-data-dir={page.parent / 'browser'}",
+            "--window-size=600,400",
+            "--virtual-time-budget=4000",
+            f"--screenshot={file}",
+            f"{page.as_uri()}#t={time}",
+        ],
+        check=True,
+        capture_output=True,
+        timeout=120,
+    )
+    return imread(file)[..., :3]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+def test_browser_shows_resting_muscles_first_and_red_ones_at_the_end(page: Path) -> None:
+    def red(picture: np.ndarray) -> int:
+        scene = picture[60:300]
+        return int(np.sum(scene[..., 0] > 3.0 * scene[..., 1:].max(axis=-1) + 0.1))
+
+    start, end = _picture(page, 0.0), _picture(page, 0.2)
+    assert np.std(start[60:300]) > 0.02  # not blank
+    assert red(end) > red(start) + 500
