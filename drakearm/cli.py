@@ -1,0 +1,182 @@
+"""The command `drakearm`: from a scenario's name to a plan, a policy, its metrics and a replay in the browser."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from rich.table import Table
+
+from drakearm.errors import DrakearmError
+from drakearm.experiments.environments import EnvKind
+from drakearm.experiments.run_folder import RunFolder
+from drakearm.experiments.scenario import load_scenario, scenario_files
+from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
+from drakearm.learning import BatchReport
+from drakearm.model import load_arm
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    help="""A human arm with 14 Hill-type muscles in Drake.
+
+    A run has four steps: **plan** finds the optimal joint movement, **train** learns muscle excitations that follow it,
+    **evaluate** measures how well, **replay** shows it in a browser. `drakearm run SCENARIO` does the four in a row.
+
+    Start with `drakearm list`, then `drakearm run timing-0.7s`.
+    """,
+)
+console = Console()
+
+ScenarioArgument = Annotated[
+    str, typer.Argument(help="A name from `drakearm list`, or the path of a scenario file.", metavar="SCENARIO")
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", help="Folder of the run. [default: runs/SCENARIO]", show_default=False)
+]
+Seed = Annotated[int, typer.Option(help="Decides every random number: the same seed gives the same result.")]
+Batches = Annotated[
+    int | None,
+    typer.Option(min=1, help="Train for so many batches, instead of the scenario's number.", show_default=False),
+]
+Env = Annotated[EnvKind, typer.Option(help="Train on the compiled arm, or on Drake Diagrams: slower, same arm.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results of an earlier run.")]
+
+
+@app.command("list")
+def list_scenarios() -> None:
+    """Show the movements that drakearm ships."""
+    table = Table("scenario", "what moves")
+    for name in scenario_files():
+        table.add_row(name, load_scenario(name).description)
+    console.print(table)
+
+
+@app.command()
+def plan(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False) -> None:
+    """Find the optimal reference with direct collocation; writes scenario.yaml, reference.npz and plan.json."""
+    run = _run_folder(scenario, out)
+    run.claim(("reference", "plan"), overwrite)
+    _plan(run, scenario)
+
+
+@app.command()
+def train(
+    scenario: ScenarioArgument,
+    seed: Seed = 0,
+    out: Out = None,
+    batches: Batches = None,
+    env: Env = EnvKind.compiled,
+    overwrite: Overwrite = False,
+) -> None:
+    """Learn muscle excitations that follow a plan; writes policy.safetensors, training.csv and training.json.
+
+    Needs the plan in the run's folder. A training that is interrupted leaves its latest checkpoint as the policy.
+    """
+    run = _run_folder(scenario, out)
+    run.existing("reference", f"plan {scenario}")
+    run.claim(("policy", "training", "training_log"), overwrite)
+    _train(run, seed, batches, env)
+
+
+@app.command()
+def evaluate(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False) -> None:
+    """Run the policy in closed loop, once without and 10 times with noise; writes metrics.json and recording.npz."""
+    run = _run_folder(scenario, out)
+    run.existing("policy", f"train {scenario}")
+    run.claim(("metrics", "recording"), overwrite)
+    metrics = evaluate_step(run)
+    console.print(_table(run, metrics))
+
+
+@app.command()
+def replay(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False) -> None:
+    """Write the movement as one HTML file that any browser opens; writes replay.html."""
+    run = _run_folder(scenario, out)
+    run.existing("recording", f"evaluate {scenario}")
+    run.claim(("replay",), overwrite)
+    console.print(f"open {replay_step(run)} in a browser")
+
+
+@app.command("run")
+def run_all(
+    scenario: ScenarioArgument,
+    seed: Seed = 0,
+    out: Out = None,
+    batches: Batches = None,
+    env: Env = EnvKind.compiled,
+    overwrite: Overwrite = False,
+) -> None:
+    """Plan, train, evaluate and replay a scenario, and print a table of how it went."""
+    run = _run_folder(scenario, out)
+    run.claim(tuple(RunFolder.FILES), overwrite)
+    _plan(run, scenario)
+    _train(run, seed, batches, env)
+    metrics = evaluate_step(run)
+    replay_step(run)
+    console.print(_table(run, metrics))
+
+
+def _run_folder(scenario: str, out: Path | None) -> RunFolder:
+    return RunFolder(out or Path("runs") / load_scenario(scenario).name)
+
+
+def _plan(run: RunFolder, scenario: str) -> None:
+    planned = plan_step(run, scenario)
+    console.print(f"planned with {planned.solver} in {planned.seconds:.2f} s: {planned.status}")
+
+
+def _train(run: RunFolder, seed: int, batches: int | None, env: EnvKind) -> None:
+    columns = (
+        TextColumn("training"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[report]}"),
+    )
+    with Progress(*columns, console=console) as progress:
+        bar = progress.add_task("training", total=None, report="")
+
+        def show(report: BatchReport) -> None:
+            text = (
+                f"error {report.tracking_error:.3f} rad, {report.steps_per_second:.0f} steps/s, "
+                f"{report.seconds_left:.0f} s left"
+            )
+            progress.update(bar, total=report.batches, completed=report.batch, report=text)
+
+        train_step(run, seed=seed, batches=batches, env=env, on_batch=show)
+
+
+def _table(run: RunFolder, metrics: dict[str, Any]) -> Table:
+    planned = run.read_json("plan", "plan")
+    joints = load_arm(run.scenario().arm).coordinates
+
+    def per_joint(values: list[float]) -> str:
+        return ", ".join(f"{joint} {value:.4f}" for joint, value in zip(joints, values, strict=True))
+
+    table = Table(title=f"{metrics['scenario']}, seed {metrics['seed']}", show_header=False)
+    rate = metrics["training_steps"] / metrics["training_seconds"]
+    for row in (
+        ("plan", f"{planned['solver']}: {planned['status']}, {planned['seconds']:.2f} s"),
+        ("training", f"{metrics['training_steps']} steps, {rate:.0f} steps/s, {metrics['training_seconds']:.0f} s"),
+        ("mean error (rad)", per_joint(metrics["tracking_error_mean"])),
+        ("largest error (rad)", per_joint(metrics["tracking_error_max"])),
+        ("end error (rad)", per_joint(metrics["end_error"])),
+        ("noisy runs that succeed", f"{metrics['success_rate']:.0%}"),
+        ("files", str(run.folder)),
+        ("replay", str(run.path("replay"))),
+    ):
+        table.add_row(*row)
+    return table
+
+
+def main() -> None:
+    """Entry point: errors that a user can cause are one sentence on stderr and exit code 1."""
+    try:
+        app()
+    except DrakearmError as error:
+        Console(stderr=True).print(f"[red]error:[/red] {error}", highlight=False, soft_wrap=True)
+        sys.exit(1)

@@ -1,0 +1,57 @@
+"""The environments in which a scenario is learned, alone or many at once."""
+
+from enum import StrEnum
+from functools import lru_cache, partial
+from pathlib import Path
+
+from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
+
+from drakearm.diagrams import MakeTrackingTask, TrackingTask
+from drakearm.experiments.scenario import load_scenario
+from drakearm.learning import ArmVectorEnv, DiagramEnv
+from drakearm.model import load_arm
+from drakearm.model.reference import CONTROL_STEP, Reference
+from drakearm.planning import plan
+
+
+def make_env(scenario: str | Path, reference: Reference | None = None) -> DiagramEnv:
+    """The environment of a scenario (name or file), with its own plan as reference unless one is given.
+
+    This is what `gymnasium.make("drakearm/Track-v0", scenario=...)` makes.
+    """
+    loaded = load_scenario(scenario)
+    return make_task_env(loaded.task(reference or _planned(scenario)))
+
+
+def make_task_env(task: TrackingTask) -> DiagramEnv:
+    """The environment of a task: one episode is the reference from start to end."""
+    diagram, systems = MakeTrackingTask(task)
+    episode_steps = len(task.reference.t) - 1
+    return DiagramEnv(diagram, systems.Reset, control_step=CONTROL_STEP, episode_steps=episode_steps)
+
+
+class EnvKind(StrEnum):
+    """How the arms of a training are simulated; the result is the same to rounding errors."""
+
+    compiled = "compiled"  # all arms in one compiled call
+    diagram = "diagram"  # every arm a Drake Diagram, in a process of its own
+
+
+def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:
+    """`count` environments of a task."""
+    if kind is EnvKind.compiled:
+        return ArmVectorEnv(task, count)
+    warm_up = make_task_env(task)  # compiles the muscles once, before the processes fork
+    warm_up.reset()
+    warm_up.step(warm_up.action_space.sample())
+    return AsyncVectorEnv(
+        [partial(make_task_env, task)] * count,
+        context="fork",
+        autoreset_mode=AutoresetMode.SAME_STEP,
+    )
+
+
+@lru_cache(maxsize=8)
+def _planned(scenario: str | Path) -> Reference:
+    loaded = load_scenario(scenario)
+    return plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass).reference

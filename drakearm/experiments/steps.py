@@ -1,0 +1,127 @@
+"""The steps of a run: plan, train, evaluate, replay. Each writes its files into the run folder."""
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from drakearm.diagrams import TrackingTask
+from drakearm.experiments.environments import EnvKind, make_training_envs
+from drakearm.experiments.metrics import (
+    run_policy,
+    run_policy_stochastic,
+    tracking_metrics,
+    versions,
+)
+from drakearm.experiments.run_folder import RunFolder
+from drakearm.experiments.scenario import Scenario
+from drakearm.learning import BatchReport, Policy, train
+from drakearm.model import load_arm
+from drakearm.model.recording import Recording
+from drakearm.model.reference import Reference
+from drakearm.planning import Plan, plan
+from drakearm.replay import write_replay
+
+
+def plan_step(run: RunFolder, scenario: str | Path) -> Plan:
+    """Finds the optimal reference of a scenario."""
+    loaded = run.keep_scenario(scenario)
+    planned = plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass)
+    planned.reference.save(run.path("reference"))
+    run.write_json(
+        "plan",
+        {
+            "solver": planned.solver,
+            "status": planned.status,
+            "seconds": planned.seconds,
+            "costs": planned.costs,
+        },
+    )
+    return planned
+
+
+def train_step(
+    run: RunFolder,
+    *,
+    seed: int,
+    batches: int | None = None,
+    env: EnvKind = EnvKind.compiled,
+    on_batch: Callable[[BatchReport], None] | None = None,
+) -> Policy:
+    """Learns the excitations that follow the run's reference. batches: in place of the scenario's number."""
+    scenario = run.scenario()
+    settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
+    envs = make_training_envs(_task(run, scenario), settings.environments, env)
+    reports: list[BatchReport] = []
+
+    def keep(report: BatchReport) -> None:
+        reports.append(report)
+        if on_batch:
+            on_batch(report)
+
+    start = time.perf_counter()
+    try:
+        policy = train(
+            envs,
+            settings,
+            seed=seed,
+            metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
+            log_path=run.path("training_log"),
+            checkpoint_path=run.path("policy"),
+            on_batch=keep,
+        )
+    finally:
+        envs.close()
+    seconds = time.perf_counter() - start
+    run.write_json(
+        "training",
+        {
+            "seed": seed,
+            "steps": reports[-1].steps,
+            "seconds": seconds,
+            "env": env.value,
+            "settings": asdict(settings),
+        },
+    )
+    return policy
+
+
+def evaluate_step(run: RunFolder) -> dict[str, Any]:
+    """Runs the policy in closed loop on the Diagram; returns what it writes into metrics.json."""
+    policy = Policy.load(run.existing("policy", "train"))
+    training = run.read_json("training", "train")
+    planned = run.read_json("plan", "plan")
+    scenario = run.scenario()
+    task = _task(run, scenario)
+    recording = run_policy(task, policy)
+    recording.save(run.path("recording"))
+    metrics = {
+        "scenario": scenario.name,
+        **tracking_metrics(recording, run_policy_stochastic(task, policy, training["seed"])),
+        "training_steps": training["steps"],
+        "training_seconds": training["seconds"],
+        "plan_seconds": planned["seconds"],
+        "seed": training["seed"],
+        "versions": versions(),
+    }
+    run.write_json("metrics", metrics)
+    return metrics
+
+
+def replay_step(run: RunFolder) -> Path:
+    """Writes the browser replay of the deterministic run and returns its file."""
+    scenario = run.scenario()
+    recording = Recording.load(run.existing("recording", "evaluate"))
+    write_replay(
+        run.path("replay"),
+        load_arm(scenario.arm),
+        recording,
+        load_mass=scenario.load_mass,
+        title=scenario.name,
+    )
+    return run.path("replay")
+
+
+def _task(run: RunFolder, scenario: Scenario) -> TrackingTask:
+    return scenario.task(Reference.load(run.existing("reference", "plan")))

@@ -1,0 +1,49 @@
+"""The examples run, and are short enough to read at a glance."""
+
+import importlib.util
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from drakearm.experiments.run_folder import RunFolder
+from drakearm.experiments.scenario import load_scenario
+from drakearm.experiments.steps import plan_step
+from drakearm.learning import ArmVectorEnv, PpoSettings, train
+from drakearm.model.reference import Reference
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.py")), ids=lambda file: file.stem)
+def test_example_is_short(file):
+    assert len(file.read_text().splitlines()) < 60
+
+
+def test_compose_arm(tmp_path, capsys):
+    load("compose_arm").main(str(tmp_path / "arm.png"))
+    assert (tmp_path / "arm.png").stat().st_size > 10_000
+    assert "final angles" in capsys.readouterr().out
+
+
+def test_follow_reference(capsys):
+    load("follow_reference").main()
+    error = float(capsys.readouterr().out.split()[2])
+    assert error < 0.01
+
+
+def test_policy_in_meshcat(tmp_path, capsys):
+    run = RunFolder(tmp_path)
+    plan_step(run, "timing-0.7s")
+    task = load_scenario("timing-0.7s").task(Reference.load(run.path("reference")))
+    settings = replace(PpoSettings(), batches=1, environments=2, minibatches=1, epochs=1)
+    train(ArmVectorEnv(task, 2), settings, seed=0, metadata={}).save(run.path("policy"))
+    load("policy_in_meshcat").main(tmp_path, realtime_rate=0.0)
+    assert "http://localhost" in capsys.readouterr().out
