@@ -1,5 +1,6 @@
 """The command `drakearm`: from a scenario's name to a plan, a policy, its metrics and a replay in the browser."""
 
+import logging
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -175,6 +176,7 @@ def _table(run: RunFolder, metrics: dict[str, Any]) -> Table:
 
 def main() -> None:
     """Entry point: errors that a user can cause are one sentence on stderr and exit code 1."""
+    logging.getLogger("drake").setLevel(logging.WARNING)  # Meshcat announces itself when a replay is written
     try:
         app()
     except DrakearmError as error:
