@@ -13,6 +13,10 @@ class EquilibriumError(DrakearmError):
     """A muscle that has no fiber length at which fiber and tendon pull with the same force."""
 
 
+class DerivativeError(DrakearmError):
+    """A quantity that cannot be differentiated automatically, or not in this form."""
+
+
 class ScenarioError(DrakearmError):
     """An unknown scenario or a scenario file with a wrong, missing or unknown field."""
 

@@ -1,6 +1,7 @@
 """HillMuscles: the muscles of an arm as a System."""
 
 import numpy as np
+from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, InitializeAutoDiff
 from pydrake.systems.framework import (
     BasicVector_,
     Context,
@@ -10,19 +11,23 @@ from pydrake.systems.framework import (
 )
 from pydrake.systems.scalar_conversion import TemplateSystem
 
+from drakearm.errors import DerivativeError
 from drakearm.model import Arm
+from drakearm.model.linearization import linearize_muscles
 from drakearm.model.musculature import (
     muscle_geometry,
     muscle_rates,
+    muscle_report,
     muscle_step,
     resting_state,
     tendon_forces,
 )
 
 RESTING_ACTIVATION = 0.05
+_REPORT = ("active_force", "passive_force", "fiber_power", "tendon_power", "metabolic_power")
 
 
-@TemplateSystem.define("HillMuscles_", T_list=[float])
+@TemplateSystem.define("HillMuscles_", T_list=[float, AutoDiffXd])
 def HillMuscles_(T):
     class Impl(LeafSystem_[T]):
         """The muscles of an arm, driven by excitations, pulling on the arm's joints.
@@ -40,27 +45,39 @@ def HillMuscles_(T):
             - fiber_velocity
             - tendon_force
             - mtu_length
+            - joint_moment
+            - active_force
+            - passive_force
+            - fiber_power
+            - tendon_power
+            - metabolic_power
 
-        ================= ====== ======= ================================================================
-        port              size   unit    meaning
-        ================= ====== ======= ================================================================
-        excitation        n      0..1    neural command; clamped to [minimum_activation, 1]
-        arm_state         2 n_q  rad,    q and v of the skeleton
-                                 rad/s
-        generalized_force n_q    Nm      what the muscles exert at the joints
-        activation        n      0..1
-        fiber_length      n      m
-        fiber_velocity    n      m/s     negative while the fiber shortens
-        tendon_force      n      N
-        mtu_length        n      m       of the musculotendon path
-        ================= ====== ======= ================================================================
+        ================= ======= ==== =======================================================================
+        port              size    unit meaning
+        ================= ======= ==== =======================================================================
+        excitation        n       0..1 neural command; clamped to [minimum_activation, 1]
+        arm_state         2 n_q   SI   q and v of the skeleton, rad and rad/s
+        generalized_force n_q     Nm   what the muscles exert at the joints
+        activation        n       0..1
+        fiber_length      n       m
+        fiber_velocity    n       m/s  negative while the fiber shortens
+        tendon_force      n       N
+        mtu_length        n       m    of the musculotendon path
+        joint_moment      n n_q   Nm   of muscle i at coordinate j in element i n_q + j
+        active_force      n       N    of the contractile element, along the fiber
+        passive_force     n       N    of the parallel element, along the fiber
+        fiber_power       n       W    that the fiber delivers
+        tendon_power      n       W    that the tendon delivers; with fiber_power -tendon_force d(mtu_length)/dt
+        metabolic_power   n       W    heat and work, Bhargava et al. (2004)
+        ================= ======= ==== =======================================================================
 
-        time_step = 0: activation and fiber length are continuous states, for any of Drake's integrators. Barely active
-        fibers are stiff (to 8e4 /s), so that is the way of checks and linearizations.
+        time_step = 0: activation and fiber length are continuous states, in this order, for any of Drake's integrators and
+        for linearization: the system converts to AutoDiffXd, in which all outputs but the last five exist. Barely active
+        fibers are stiff (to 8e4 /s), so that is the way of checks.
 
-        time_step > 0 (s): the states are discrete. Each step is implicit and of second order (`fiber_step`), stable at
-        any activation. Then generalized_force is held constant over a step and does not feed arm_state through, while
-        tendon_force and mtu_length follow the joints.
+        time_step > 0 (s): the states are discrete. Each step is implicit and of second order (`muscle_step`), stable at any
+        activation. Then generalized_force is held constant over a step and does not feed arm_state through, while the
+        other forces follow the joints. It does not step in AutoDiffXd.
         """
 
         def _construct(self, arm: Arm, time_step: float = 1e-3, *, converter=None):
@@ -85,14 +102,18 @@ def HillMuscles_(T):
                 state = {self.xc_ticket()}
                 self.DeclareVectorOutputPort("generalized_force", n_q, self._calc_generalized_force, state | joints)
                 velocity_from = state | joints
-            for name, calc, prerequisites in (
-                ("activation", self._calc_activation, state),
-                ("fiber_length", self._calc_fiber_length, state),
-                ("fiber_velocity", self._calc_fiber_velocity, velocity_from),
-                ("tendon_force", self._calc_tendon_force, state | joints),
-                ("mtu_length", self._calc_mtu_length, joints),
+            for name, size, calc, prerequisites in (
+                ("activation", n, self._calc_activation, state),
+                ("fiber_length", n, self._calc_fiber_length, state),
+                ("fiber_velocity", n, self._calc_fiber_velocity, velocity_from),
+                ("tendon_force", n, self._calc_tendon_force, state | joints),
+                ("mtu_length", n, self._calc_mtu_length, joints),
+                ("joint_moment", n * n_q, self._calc_joint_moment, state | joints),
             ):
-                self.DeclareVectorOutputPort(name, n, calc, prerequisites)
+                self.DeclareVectorOutputPort(name, size, calc, prerequisites)
+            for row, name in enumerate(_REPORT):
+                excitation = {self._excitation.ticket()} if name == "metabolic_power" else set()
+                self.DeclareVectorOutputPort(name, n, self._make_calc_report(row, name), state | joints | excitation)
 
         def _construct_copy(self, other, converter=None):
             Impl._construct(self, other.arm, other.time_step, converter=converter)
@@ -115,20 +136,35 @@ def HillMuscles_(T):
             return context.get_continuous_state_vector().CopyToVector()
 
         def _fibers(self, context):
-            state = self._state(context)
-            return state[: self._n], state[self._n : 2 * self._n]
-
-        def _q(self, context):
-            return self._arm_state.Eval(context)[: self._n_q]
+            """Activations, then fiber lengths."""
+            return self._state(context)[: 2 * self._n]
 
         def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState):
             if self.time_step > 0.0:
                 return
-            excitation = self._excitation.Eval(context)
-            rates = muscle_rates(*self._fibers(context), excitation, self._q(context), *self._tables)
-            derivatives.SetFromVector(np.concatenate(rates))
+            fibers, excitation = self._fibers(context), self._excitation.Eval(context)
+            arm_state = self._arm_state.Eval(context)
+            if T is float:
+                rates = muscle_rates(fibers, excitation, arm_state, *self._tables)
+            else:
+                rates = self._differentiate(fibers, excitation, arm_state, slice(0, 2 * self._n))
+            derivatives.SetFromVector(rates)
+
+        def _differentiate(self, fibers, excitation, arm_state, rows):
+            """Rows of the values of `linearize_muscles` as AutoDiffXd: its Jacobian chained onto the inputs' gradients."""
+            inputs = [ExtractValue(x).ravel() for x in (fibers, excitation, arm_state)]
+            value, jacobian = linearize_muscles(*inputs, *self._tables)
+            gradient = ExtractGradient(np.concatenate([fibers, excitation, arm_state]))
+            return InitializeAutoDiff(value[rows], jacobian[rows] @ gradient).ravel()
+
+        def _differentiate_output(self, context, rows):
+            """The same for outputs, which do not depend on the excitation."""
+            no_excitation = np.array([AutoDiffXd(0.0)] * self._n)
+            return self._differentiate(self._fibers(context), no_excitation, self._arm_state.Eval(context), rows)
 
         def _step(self, context: Context, state: DiscreteValues):
+            if T is not float:
+                raise DerivativeError("Discrete HillMuscles cannot step in AutoDiffXd: expected time_step = 0.")
             muscle_step(
                 state.get_mutable_value(0),
                 state.get_mutable_value(1),
@@ -139,29 +175,65 @@ def HillMuscles_(T):
             )
 
         def _calc_generalized_force(self, context: Context, output: BasicVector_[T]):
-            _, fiber_length = self._fibers(context)
-            output.SetFromVector(tendon_forces(fiber_length, self._q(context), *self._tables)[1])
+            if T is float:
+                _, tau = tendon_forces(self._fibers(context), self._arm_state.Eval(context), *self._tables)
+            else:
+                tau = self._differentiate_output(context, slice(4 * self._n, None))
+            output.SetFromVector(tau)
 
         def _calc_activation(self, context: Context, output: BasicVector_[T]):
-            output.SetFromVector(self._fibers(context)[0])
+            output.SetFromVector(self._state(context)[: self._n])
 
         def _calc_fiber_length(self, context: Context, output: BasicVector_[T]):
-            output.SetFromVector(self._fibers(context)[1])
+            output.SetFromVector(self._state(context)[self._n : 2 * self._n])
 
         def _calc_fiber_velocity(self, context: Context, output: BasicVector_[T]):
+            output.SetFromVector(self._fiber_velocity(context))
+
+        def _fiber_velocity(self, context):
+            n = self._n
             if self.time_step > 0.0:
-                output.SetFromVector(self._state(context)[3 * self._n :])
-            else:
-                activation, fiber_length = self._fibers(context)
-                rates = muscle_rates(activation, fiber_length, activation, self._q(context), *self._tables)
-                output.SetFromVector(rates[1])
+                return self._state(context)[3 * n :]
+            if T is float:
+                no_excitation = np.zeros(n)
+                fibers, arm_state = self._fibers(context), self._arm_state.Eval(context)
+                return muscle_rates(fibers, no_excitation, arm_state, *self._tables)[n:]
+            return self._differentiate_output(context, slice(n, 2 * n))
 
         def _calc_tendon_force(self, context: Context, output: BasicVector_[T]):
-            _, fiber_length = self._fibers(context)
-            output.SetFromVector(tendon_forces(fiber_length, self._q(context), *self._tables)[0])
+            output.SetFromVector(self._tendon_force(context))
+
+        def _tendon_force(self, context):
+            if T is float:
+                return tendon_forces(self._fibers(context), self._arm_state.Eval(context), *self._tables)[0]
+            return self._differentiate_output(context, slice(2 * self._n, 3 * self._n))
 
         def _calc_mtu_length(self, context: Context, output: BasicVector_[T]):
-            output.SetFromVector(muscle_geometry(self._q(context), *self._tables)[0])
+            if T is float:
+                length, _ = muscle_geometry(self._arm_state.Eval(context)[: self._n_q], *self._tables)
+            else:
+                length = self._differentiate_output(context, slice(3 * self._n, 4 * self._n))
+            output.SetFromVector(length)
+
+        def _calc_joint_moment(self, context: Context, output: BasicVector_[T]):
+            self._require_float("joint_moment")
+            _, moment_arm = muscle_geometry(self._arm_state.Eval(context)[: self._n_q], *self._tables)
+            output.SetFromVector((moment_arm * self._tendon_force(context)[:, None]).ravel())
+
+        def _make_calc_report(self, row, name):
+            def calc(context: Context, output: BasicVector_[T]):
+                self._require_float(name)
+                metabolic = name == "metabolic_power"
+                excitation = self._excitation.Eval(context) if metabolic else np.zeros(self._n)
+                velocity, arm_state = self._fiber_velocity(context), self._arm_state.Eval(context)
+                report = muscle_report(self._fibers(context), velocity, excitation, arm_state, *self._tables)
+                output.SetFromVector(report[row])
+
+            return calc
+
+        def _require_float(self, name):
+            if T is not float:
+                raise DerivativeError(f"HillMuscles has no derivatives of its output {name}: expected doubles.")
 
     return Impl
 

@@ -1,67 +1,93 @@
 """JointStops: what keeps joints inside their range."""
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.autodiffutils import AutoDiffXd
+from pydrake.systems.framework import BasicVector_, Context, DiscreteValues, LeafSystem_
+from pydrake.systems.scalar_conversion import TemplateSystem
 
-from drakearm.model.joint_stops import stop_torque
+from drakearm.model.joint_stops import one_stop_torque, stop_torque
+
+STIFFNESS = 5000.0  # Nm/rad
+DAMPING = 10.0  # Nm s/rad
 
 
-class JointStops(LeafSystem):
-    """Springs and dampers that act on joints only beyond the ends of their range (`stop_torque`).
+@TemplateSystem.define("JointStops_", T_list=[float, AutoDiffXd])
+def JointStops_(T):
+    class Impl(LeafSystem_[T]):
+        """Springs and dampers that act on joints only beyond the ends of their range (`one_stop_torque`).
 
-    .. pydrake_system::
+        .. pydrake_system::
 
-        name: JointStops
-        input_ports:
-        - arm_state
-        output_ports:
-        - generalized_force
+            name: JointStops
+            input_ports:
+            - arm_state
+            output_ports:
+            - generalized_force
 
-    ================= ====== =========== =====================================
-    port              size   unit        meaning
-    ================= ====== =========== =====================================
-    arm_state         2 n_q  rad, rad/s  q and v of the skeleton
-    generalized_force n_q    Nm          what the stops exert at the joints
-    ================= ====== =========== =====================================
+        ================= ====== =========== =====================================
+        port              size   unit        meaning
+        ================= ====== =========== =====================================
+        arm_state         2 n_q  rad, rad/s  q and v of the skeleton
+        generalized_force n_q    Nm          what the stops exert at the joints
+        ================= ====== =========== =====================================
 
-    lower, upper: ends of the range (n_q,), rad; infinite ends have no stop. stiffness: Nm/rad. damping: Nm s/rad.
-    time_step = 0: the torque follows arm_state. time_step > 0 (s): it is updated every step for the joint state that is
-    expected at the middle of the step, and held.
-    """
+        lower, upper: ends of the range (n_q,), rad; infinite ends have no stop. stiffness: Nm/rad. damping: Nm s/rad.
+        time_step = 0: the torque follows arm_state. time_step > 0 (s): it is updated every step for the joint state that
+        is expected at the middle of the step, and held.
+        """
 
-    STIFFNESS = 5000.0
-    DAMPING = 10.0
+        def _construct(
+            self,
+            lower: np.ndarray,
+            upper: np.ndarray,
+            time_step: float = 1e-3,
+            stiffness: float = STIFFNESS,
+            damping: float = DAMPING,
+            *,
+            converter=None,
+        ):
+            LeafSystem_[T].__init__(self, converter)
+            self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+            self.time_step = time_step
+            self.stiffness, self.damping = stiffness, damping
+            n_q = len(self.lower)
+            self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)
+            if time_step > 0.0:
+                self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(n_q))
+                self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._step)
+            else:
+                self.DeclareVectorOutputPort(
+                    "generalized_force", n_q, self._calc_generalized_force, {self._arm_state.ticket()}
+                )
 
-    def __init__(
-        self,
-        lower: np.ndarray,
-        upper: np.ndarray,
-        time_step: float = 1e-3,
-        stiffness: float = STIFFNESS,
-        damping: float = DAMPING,
-    ):
-        super().__init__()
-        self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-        self.time_step = time_step
-        self.stiffness, self.damping = stiffness, damping
-        n_q = len(self.lower)
-        self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)
-        if time_step > 0.0:
-            self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(n_q))
-            self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._step)
-        else:
-            self.DeclareVectorOutputPort(
-                "generalized_force", n_q, self._calc_generalized_force, {self._arm_state.ticket()}
+        def _construct_copy(self, other, converter=None):
+            Impl._construct(
+                self,
+                other.lower,
+                other.upper,
+                other.time_step,
+                other.stiffness,
+                other.damping,
+                converter=converter,
             )
 
-    def _torque(self, context: Context) -> np.ndarray:
-        state = self._arm_state.Eval(context)
-        q, v = state[: len(self.lower)], state[len(self.lower) :]
-        q = q + 0.5 * self.time_step * v
-        return stop_torque(q, v, self.lower, self.upper, self.stiffness, self.damping)
+        def _torque(self, context: Context) -> np.ndarray:
+            state = self._arm_state.Eval(context)
+            q, v = state[: len(self.lower)], state[len(self.lower) :]
+            q = q + 0.5 * self.time_step * v
+            if T is float:
+                return stop_torque(q, v, self.lower, self.upper, self.stiffness, self.damping)
+            joints = zip(q, v, self.lower, self.upper, strict=True)
+            torques = [one_stop_torque.py_func(*x, self.stiffness, self.damping) for x in joints]
+            return np.array([AutoDiffXd(0.0) + tau for tau in torques])
 
-    def _step(self, context: Context, state: DiscreteValues) -> None:
-        state.set_value(self._torque(context))
+        def _step(self, context: Context, state: DiscreteValues):
+            state.set_value(self._torque(context))
 
-    def _calc_generalized_force(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._torque(context))
+        def _calc_generalized_force(self, context: Context, output: BasicVector_[T]):
+            output.SetFromVector(self._torque(context))
+
+    return Impl
+
+
+JointStops = JointStops_[None]

@@ -2,7 +2,7 @@
 
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator
@@ -11,7 +11,7 @@ from scipy.interpolate import BSpline
 
 from drakearm.model.paths import PathTable, make_path_table
 from drakearm.muscle import thelen2003
-from drakearm.muscle.parameters import MUSCLE_DTYPE
+from drakearm.muscle.parameters import MODEL_CODES, MUSCLE_DTYPE
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -19,6 +19,7 @@ Fraction = Annotated[float, Field(gt=0, lt=1)]
 Name = Annotated[str, Field(min_length=1)]
 
 _STRICT = ConfigDict(extra="forbid")
+_DENSITY = 1059.7  # kg/m^3, of muscle (Mendez and Keys 1960)
 _STEEPEST = np.arccos(0.1)  # pennation at the minimum fiber length, as in OpenSim
 
 
@@ -49,7 +50,12 @@ class PathTerm:
 
 @dataclass(frozen=True, config=_STRICT)
 class Muscle:
-    """A Hill-type muscle with a compliant tendon (Thelen 2003). Units: m, N, s, rad; strains and shapes have none."""
+    """A Hill-type muscle. Units: m, N, s, rad, Pa; strains, shapes and fractions have none.
+
+    model: thelen2003, or degroote2016, which is smooth everywhere. tendon: compliant, or rigid, which leaves the fiber
+    length to the joints. The fields passive_shape, passive_strain and tendon_strain serve both models, active_width,
+    force_velocity_shape and eccentric_force thelen2003 only.
+    """
 
     name: Name
     max_isometric_force: Positive
@@ -68,6 +74,24 @@ class Muscle:
     active_width: Positive
     force_velocity_shape: Positive
     eccentric_force: Annotated[float, Field(gt=1, allow_inf_nan=False)]  # over isometric force
+    specific_tension: Positive  # Pa, gives the muscle's mass
+    slow_twitch_fraction: Annotated[float, Field(ge=0, le=1)]  # of the fibers, for the metabolic power
+    model: Literal["thelen2003", "degroote2016"] = "thelen2003"
+    tendon: Literal["compliant", "rigid"] = "compliant"
+
+    @property
+    def model_code(self) -> int:
+        """The model as the compiled functions know it."""
+        return MODEL_CODES[self.model]
+
+    @property
+    def rigid_tendon(self) -> bool:
+        return self.tendon == "rigid"
+
+    @property
+    def mass(self) -> float:
+        """Mass (kg) of the fibers: density times volume, the cross section being force over specific tension."""
+        return _DENSITY * self.max_isometric_force / self.specific_tension * self.optimal_fiber_length
 
     @property
     def fiber_width(self) -> float:

@@ -1,7 +1,7 @@
 """All muscles of an arm at once: the compiled functions that every simulation of the muscles shares.
 
-`muscles` is `Arm.muscle_table` and `paths` is `Arm.path_table`; arrays of muscles have the length n, arrays of
-coordinates n_q. Units: m, N, Nm, s, rad.
+`muscles` is `Arm.muscle_table` and `paths` is `Arm.path_table`; n muscles, n_q coordinates. arm_state: q and v, (2 n_q,).
+fibers: activations, then fiber lengths, (2 n,). Units: m, N, Nm, s, rad, W.
 """
 
 import numpy as np
@@ -15,8 +15,11 @@ from drakearm.muscle.contraction import (
     equilibrium_fiber_length,
     fiber_step,
     fiber_velocity,
+    rigid_fiber,
+    rigid_tendon_force,
     tendon_force,
 )
+from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabolic_power
 
 
 @njit(cache=True, error_model="numpy")
@@ -29,28 +32,51 @@ def muscle_geometry(q, muscles, paths):
 
 
 @njit(cache=True, error_model="numpy")
-def tendon_forces(fiber_length, q, muscles, paths):
+def mtu_velocity(i, moment_arm, v):
+    """Rate of change (m/s) of the musculotendon length of muscle i."""
+    velocity = 0.0
+    for j in range(len(v)):
+        velocity -= moment_arm[i, j] * v[j]
+    return velocity
+
+
+@njit(cache=True, error_model="numpy")
+def muscle_force(activation, fiber_length, mtu_length, mtu_speed, m):
+    """Tendon force (N) of a muscle with either kind of tendon."""
+    if m.rigid_tendon:
+        return rigid_tendon_force(activation, mtu_length, mtu_speed, m)[0]
+    return tendon_force(fiber_length, mtu_length, m)[0]
+
+
+@njit(cache=True, error_model="numpy")
+def tendon_forces(fibers, arm_state, muscles, paths):
     """Tendon forces (n,) and the generalized force (n_q,) that they exert."""
-    length, moment_arm = muscle_geometry(q, muscles, paths)
-    force = np.empty(len(muscles))
-    tau = np.zeros(len(q))
-    for i in range(len(muscles)):
-        force[i], _, _ = tendon_force(fiber_length[i], length[i], muscles[i])
-        for j in range(len(q)):
+    n, n_q = len(muscles), len(arm_state) // 2
+    length, moment_arm = muscle_geometry(arm_state[:n_q], muscles, paths)
+    force = np.empty(n)
+    tau = np.zeros(n_q)
+    for i in range(n):
+        speed = mtu_velocity(i, moment_arm, arm_state[n_q:])
+        force[i] = muscle_force(fibers[i], fibers[n + i], length[i], speed, muscles[i])
+        for j in range(n_q):
             tau[j] += moment_arm[i, j] * force[i]
     return force, tau
 
 
 @njit(cache=True, error_model="numpy")
-def muscle_rates(activation, fiber_length, excitation, q, muscles, paths):
-    """Time derivatives of activations (n,) and fiber lengths (n,)."""
-    length, _ = muscle_geometry(q, muscles, paths)
-    rate = np.empty(len(muscles))
-    velocity = np.empty(len(muscles))
-    for i in range(len(muscles)):
-        rate[i], _, _ = activation_rate(activation[i], excitation[i], muscles[i])
-        velocity[i], _, _, _ = fiber_velocity(activation[i], fiber_length[i], length[i], muscles[i])
-    return rate, velocity
+def muscle_rates(fibers, excitation, arm_state, muscles, paths):
+    """Time derivatives (2 n,) of activations and fiber lengths."""
+    n, n_q = len(muscles), len(arm_state) // 2
+    length, moment_arm = muscle_geometry(arm_state[:n_q], muscles, paths)
+    rates = np.empty(2 * n)
+    for i in range(n):
+        m = muscles[i]
+        rates[i] = activation_rate(fibers[i], excitation[i], m)[0]
+        if m.rigid_tendon:
+            rates[n + i] = rigid_fiber(length[i], mtu_velocity(i, moment_arm, arm_state[n_q:]), m)[1]
+        else:
+            rates[n + i] = fiber_velocity(fibers[i], fibers[n + i], length[i], m)[0]
+    return rates
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,9 +84,9 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     """Advances the muscles' state in place by one time step and writes the generalized force to hold meanwhile.
 
     state: activation, fiber length, fiber length one step earlier, fiber velocity, each (n,) one after the other.
-    tau: (n_q,). arm_state: q and v at the start of the step (2 n_q,). Joints are extrapolated to the end of the step at
-    their present speed; the held force is the mean of the forces at both ends. Activation, fiber and held force are all
-    of second order in the time step.
+    tau: (n_q,). arm_state: at the start of the step. Joints are extrapolated to the end of the step at their present speed;
+    the held force is the mean of the forces at both ends. Activation, fiber and held force are all of second order in the
+    time step; where a tendon is rigid, the held force is of first order, for its damping lags by half a step.
     """
     n, n_q = len(muscles), len(tau)
     q, v = arm_state[:n_q], arm_state[n_q:]
@@ -70,16 +96,44 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     for i in range(n):
         m = muscles[i]
         fiber, previous = state[n + i], state[2 * n + i]
+        speed, next_speed = 0.0, 0.0
         activation = activation_step(state[i], excitation[i], time_step, m)
-        next_fiber, velocity = fiber_step(activation, fiber, previous, next_length[i], time_step, m)
-        force, _, _ = tendon_force(fiber, length[i], m)
-        next_force, _, _ = tendon_force(next_fiber, next_length[i], m)
+        if m.rigid_tendon:
+            speed, next_speed = mtu_velocity(i, moment_arm, v), mtu_velocity(i, next_moment_arm, v)
+            next_fiber, velocity, _ = rigid_fiber(next_length[i], next_speed, m)
+        else:
+            next_fiber, velocity = fiber_step(activation, fiber, previous, next_length[i], time_step, m)
+        force = muscle_force(state[i], fiber, length[i], speed, m)
+        next_force = muscle_force(activation, next_fiber, next_length[i], next_speed, m)
         for j in range(n_q):
             tau[j] += 0.5 * (moment_arm[i, j] * force + next_moment_arm[i, j] * next_force)
         state[i] = activation
         state[n + i] = next_fiber
         state[2 * n + i] = fiber
         state[3 * n + i] = velocity
+
+
+@njit(cache=True, error_model="numpy")
+def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
+    """What users ask for: active and passive force, fiber and tendon power, metabolic power, a row (n,) each.
+
+    velocity: of the fibers, (n,), m/s. Forces act along the fiber.
+    """
+    n, n_q = len(muscles), len(arm_state) // 2
+    length, moment_arm = muscle_geometry(arm_state[:n_q], muscles, paths)
+    report = np.empty((5, n))
+    for i in range(n):
+        m = muscles[i]
+        speed = mtu_velocity(i, moment_arm, arm_state[n_q:])
+        fiber = fibers[n + i]
+        if m.rigid_tendon:
+            fiber, _, _ = rigid_fiber(length[i], speed, m)
+        force = muscle_force(fibers[i], fiber, length[i], speed, m)
+        active, passive = fiber_forces(fiber, force, m)
+        report[0, i], report[1, i] = active, passive
+        report[2, i], report[3, i] = fiber_and_tendon_power(fiber, velocity[i], speed, force, m)
+        report[4, i] = metabolic_power(fibers[i], excitation[i], fiber, velocity[i], active, passive, m)
+    return report
 
 
 @njit(cache=True, error_model="numpy")
@@ -92,10 +146,10 @@ def _equilibrium(activation, q, muscles, paths):
 
 
 def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -> np.ndarray:
-    """Fiber lengths (n,) at which resting fibers carry what their tendons pull, at joint angles q and given
-    activations.
+    """Fiber lengths (n,) of resting muscles at joint angles q (n_q,), rad, and activations (n,).
 
-    Raises EquilibriumError, naming the muscles, where even the shortest fiber leaves the tendon slack.
+    Fibers on compliant tendons carry there what their tendons pull. Raises EquilibriumError, naming the muscles, where
+    even the shortest fiber leaves the tendon slack.
     """
     fiber_length = _equilibrium(activation, q, arm.muscle_table, arm.path_table)
     slack = [name for name, unknown in zip(arm.muscle_names, np.isnan(fiber_length), strict=True) if unknown]
@@ -110,10 +164,10 @@ def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -
 def resting_state(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The state (4 n,) of `muscle_step` for muscles at rest, and the generalized force (n_q,) that they exert.
 
-    activation: one for all muscles or (n,). Raises EquilibriumError where a muscle has no equilibrium at joint angles
-    q.
+    activation: one for all muscles or (n,). Raises EquilibriumError where a muscle has no equilibrium at joint angles q.
     """
     activations = np.full(len(arm.muscles), activation, dtype=float)
     fiber_length = equilibrium_fiber_lengths(arm, q, activations)
-    _, tau = tendon_forces(fiber_length, q, arm.muscle_table, arm.path_table)
-    return np.concatenate([activations, fiber_length, fiber_length, np.zeros_like(fiber_length)]), tau
+    fibers = np.concatenate([activations, fiber_length])
+    _, tau = tendon_forces(fibers, np.concatenate([q, np.zeros_like(q)]), arm.muscle_table, arm.path_table)
+    return np.concatenate([fibers, fiber_length, np.zeros_like(fiber_length)]), tau

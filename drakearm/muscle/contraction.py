@@ -1,4 +1,4 @@
-"""Contraction dynamics: how fast a fiber in series with its compliant tendon shortens, its steps and its equilibrium.
+"""Contraction dynamics: forces of tendons, velocities of fibers, a fiber's steps in time and its equilibrium.
 
 `m` is a record of `MUSCLE_DTYPE`. The pennated fiber keeps its width, so its length along the tendon is
 sqrt(l^2 - width^2). Fibers below their minimum length count as that long, as in OpenSim.
@@ -8,8 +8,9 @@ import math
 
 from numba import njit
 
-from drakearm.muscle.thelen2003 import (
+from drakearm.muscle.curves import (
     active_force_length,
+    force_of_velocity,
     passive_force_length,
     tendon_force_strain,
     velocity_of_force,
@@ -22,13 +23,56 @@ TOLERANCE = 1e-8  # of the optimal fiber length, on the last of Newton's moves: 
 
 
 @njit(cache=True, error_model="numpy")
+def shortest_fiber(m):
+    """The length (m) below which no fiber gets."""
+    return max(m.minimum_fiber_length, SHORTEST * m.optimal_fiber_length)
+
+
+@njit(cache=True, error_model="numpy")
 def tendon_force(fiber_length, mtu_length, m):
-    """Tendon force (N) and its derivatives by fiber and musculotendon length (N/m)."""
+    """Force (N) of a compliant tendon and its derivatives by fiber and musculotendon length (N/m)."""
     fiber_length = max(fiber_length, m.minimum_fiber_length)
     along = math.sqrt(fiber_length**2 - m.fiber_width**2)
     force, slope = tendon_force_strain((mtu_length - along) / m.tendon_slack_length - 1.0, m)
     by_mtu = slope / m.tendon_slack_length * m.max_isometric_force
     return force * m.max_isometric_force, -by_mtu * fiber_length / along, by_mtu
+
+
+@njit(cache=True, error_model="numpy")
+def rigid_fiber(mtu_length, mtu_velocity, m):
+    """Length and velocity of a fiber on a rigid tendon, and the cosine of its pennation angle."""
+    along = max(mtu_length - m.tendon_slack_length, 0.0)
+    fiber_length = math.sqrt(along**2 + m.fiber_width**2)
+    shortest = shortest_fiber(m)
+    if fiber_length <= shortest:
+        return shortest, 0.0, math.sqrt(1.0 - (m.fiber_width / shortest) ** 2)
+    cosine = along / fiber_length
+    return fiber_length, mtu_velocity * cosine, cosine
+
+
+@njit(cache=True, error_model="numpy")
+def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
+    """Force (N) that a fiber puts on its rigid tendon; derivatives by activation, musculotendon length and velocity."""
+    a = min(max(activation, m.minimum_activation), 1.0)
+    fiber_length, velocity, cosine = rigid_fiber(mtu_length, mtu_velocity, m)
+    length = fiber_length / m.optimal_fiber_length
+    shape, shape_slope = active_force_length(length, m)
+    passive, passive_slope = passive_force_length(length, m)
+    scale, scale_slope = velocity_scale(a, m)
+    unit = m.max_contraction_velocity * m.optimal_fiber_length * scale
+    factor, factor_slope = force_of_velocity(velocity / unit, m)
+    force = a * shape * factor + passive
+    by_activation = shape * (factor - a * factor_slope * velocity / unit * scale_slope / scale)
+    by_length = by_velocity = 0.0
+    if fiber_length > shortest_fiber(m):
+        cosine_slope = m.fiber_width**2 / fiber_length**3
+        by_velocity = a * shape * factor_slope * cosine**2 / unit
+        by_length = force * cosine_slope + cosine * (
+            (a * shape_slope * factor + passive_slope) * cosine / m.optimal_fiber_length
+            + a * shape * factor_slope * mtu_velocity * cosine_slope / unit
+        )
+    f_max = m.max_isometric_force
+    return f_max * force * cosine, f_max * by_activation * cosine, f_max * by_length, f_max * by_velocity
 
 
 @njit(cache=True, error_model="numpy")
@@ -52,7 +96,7 @@ def fiber_velocity(activation, fiber_length, mtu_length, m):
     isometric = a * shape
     ratio = (tendon / cosine - passive) / isometric
     speed, speed_slope = velocity_of_force(ratio, m)
-    scale, scale_slope = velocity_scale(a)
+    scale, scale_slope = velocity_scale(a, m)
 
     unit = m.max_contraction_velocity * m.optimal_fiber_length
     velocity = unit * scale * speed
@@ -73,11 +117,6 @@ def fiber_velocity(activation, fiber_length, mtu_length, m):
 
 
 @njit(cache=True, error_model="numpy")
-def _shortest(m):
-    return max(m.minimum_fiber_length, SHORTEST * m.optimal_fiber_length)
-
-
-@njit(cache=True, error_model="numpy")
 def _slack_fiber_length(mtu_length, m):
     """Fiber length at which the tendon just goes slack."""
     return math.sqrt(max(mtu_length - m.tendon_slack_length, 0.0) ** 2 + m.fiber_width**2)
@@ -90,7 +129,7 @@ def _solve_fiber(weight, base, activation, mtu_length, guess, m):
     The left side rises and the right side falls with x, so the root lies below the base or the length at which the
     tendon goes slack. Newton's method stays inside the bracket that it narrows, or falls back to bisection.
     """
-    low = _shortest(m)
+    low = shortest_fiber(m)
     high = max(max(base, _slack_fiber_length(mtu_length, m)), low) * (1.0 + 1e-9)
     x = min(max(guess, low), high)
     for _ in range(ITERATIONS):
@@ -112,7 +151,10 @@ def _solve_fiber(weight, base, activation, mtu_length, guess, m):
 @njit(cache=True, error_model="numpy")
 def equilibrium_fiber_length(activation, mtu_length, m):
     """Fiber length (m) at which a resting fiber and its tendon pull alike; NaN if none is short enough."""
-    velocity, _, _, _ = fiber_velocity(activation, _shortest(m), mtu_length, m)
+    if m.rigid_tendon:
+        fiber_length, _, _ = rigid_fiber(mtu_length, 0.0, m)
+        return fiber_length if fiber_length > shortest_fiber(m) else math.nan
+    velocity, _, _, _ = fiber_velocity(activation, shortest_fiber(m), mtu_length, m)
     if velocity <= 0.0:
         return math.nan
     guess = _slack_fiber_length(mtu_length, m)

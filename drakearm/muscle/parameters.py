@@ -2,9 +2,14 @@
 
 import numpy as np
 
-# Field by field what `drakearm.model.Muscle` holds, plus what follows from it. Units: m, N, s, rad.
+THELEN2003, DEGROOTE2016 = 0, 1
+MODEL_CODES = {"thelen2003": THELEN2003, "degroote2016": DEGROOTE2016}
+
+# Field by field what `drakearm.model.Muscle` holds, plus what follows from it. Units: m, N, s, rad, Pa, kg.
 MUSCLE_DTYPE = np.dtype(
     [
+        ("model_code", np.int64),
+        ("rigid_tendon", np.bool_),
         ("max_isometric_force", np.float64),
         ("optimal_fiber_length", np.float64),
         ("tendon_slack_length", np.float64),
@@ -18,6 +23,8 @@ MUSCLE_DTYPE = np.dtype(
         ("active_width", np.float64),
         ("force_velocity_shape", np.float64),
         ("eccentric_force", np.float64),  # over isometric force
+        ("slow_twitch_fraction", np.float64),
+        ("mass", np.float64),
         ("fiber_width", np.float64),  # optimal_fiber_length * sin(pennation_angle): constant
         ("minimum_fiber_length", np.float64),  # where pennation reaches acos(0.1)
         ("toe_strain", np.float64),  # tendon strain where the exponential toe region ends

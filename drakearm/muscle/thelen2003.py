@@ -79,6 +79,23 @@ def velocity_of_force(ratio, m):
 
 
 @njit(cache=True, error_model="numpy")
+def force_of_velocity(velocity, m):
+    """Active over isometric force at a velocity, and its slope: the inverse of `velocity_of_force`, but never below 0."""
+    curvature = m.force_velocity_shape
+    highest = m.eccentric_force
+    if velocity <= -1.0:
+        return 0.0, 0.0
+    if velocity <= 0.0:
+        denominator = 1.0 - velocity / curvature
+        return (1.0 + velocity) / denominator, (1.0 + 1.0 / curvature) / denominator**2
+    scale = (highest - 1.0) / (2.0 + 2.0 / curvature)
+    knee = LINEAR_FROM * highest
+    at = min(velocity, scale * (knee - 1.0) / (highest - knee))
+    slope = scale * (highest - 1.0) / (at + scale) ** 2
+    return (at * highest + scale) / (at + scale) + slope * (velocity - at), slope
+
+
+@njit(cache=True, error_model="numpy")
 def velocity_scale(activation):
     """Factor of the velocity at an activation, and its slope (eq. 6): a quarter at rest, 1 at full activation."""
     return 0.25 + 0.75 * activation, 0.75

@@ -1,0 +1,68 @@
+"""Curves of the De Groote-Fregly (2016) muscle, each with its derivative: smooth everywhere, for optimization.
+
+Dimensionless like those of `thelen2003`. Source: De Groote, Kinney, Rao, Fregly, "Evaluation of direct collocation optimal
+control problem formulations for solving the muscle redundancy problem", Annals of Biomedical Engineering 44:2922-2936, 2016,
+with the constants that OpenSim's DeGrooteFregly2016Muscle adjusts so that the curves pass through their key points.
+The tendon curve is slightly negative for a slack tendon, as published; so a slack tendon pushes with up to 0.2 forces.
+"""
+
+import math
+
+from numba import njit
+
+_GAUSSIANS = (
+    (0.8150671134243542, 1.055033428970575, 0.162384573599574, 0.063303448465465),
+    (0.433004984392647, 0.716775413397760, -0.029947116970696, 0.200356847296188),
+    (0.1, 1.0, 0.353553390593274, 0.0),
+)
+_D1, _D2, _D3, _D4 = -0.3211346127989808, -8.149, -0.374, 0.8825327733249912
+_TENDON_SCALE = 0.2  # c1 and c3
+_SHORTEST_PASSIVE = 0.2  # fiber length at which the passive force is 0
+_LOWEST, _HIGHEST = -0.5, 2.3  # forces beyond which the velocity, then over 5, continues along tangents
+
+
+@njit(cache=True, error_model="numpy")
+def active_force_length(length, m):
+    """Active isometric force and its slope at a normalized fiber length: a sum of three Gaussian-like curves."""
+    force = slope = 0.0
+    for height, center, width, widening in _GAUSSIANS:
+        spread = width + widening * length
+        z = (length - center) / spread
+        term = height * math.exp(-0.5 * z * z)
+        force += term
+        slope -= term * z * (1.0 - widening * z) / spread
+    return force, slope
+
+
+@njit(cache=True, error_model="numpy")
+def passive_force_length(length, m):
+    """Passive force and its slope at a normalized fiber length: an exponential, 0 at _SHORTEST_PASSIVE."""
+    rate = m.passive_shape / m.passive_strain
+    offset = math.exp(rate * (_SHORTEST_PASSIVE - 1.0))
+    growth = math.exp(rate * (length - 1.0))
+    scale = 1.0 / (math.exp(m.passive_shape) - offset)
+    return (growth - offset) * scale, rate * growth * scale
+
+
+@njit(cache=True, error_model="numpy")
+def tendon_force_strain(strain, m):
+    """Tendon force and its slope at a strain: an exponential through 0 at slack length and 1 at tendon_strain."""
+    rate = math.log((1.0 + _TENDON_SCALE) / _TENDON_SCALE) / m.tendon_strain
+    growth = math.exp(rate * strain)
+    return _TENDON_SCALE * (growth - 1.0), _TENDON_SCALE * rate * growth
+
+
+@njit(cache=True, error_model="numpy")
+def velocity_of_force(ratio, m):
+    """Velocity at a ratio of active force to isometric force, and its slope: a hyperbolic sine."""
+    at = min(max(ratio, _LOWEST), _HIGHEST)
+    z = (at - _D4) / _D1
+    slope = math.cosh(z) / (_D1 * _D2)
+    return (math.sinh(z) - _D3) / _D2 + slope * (ratio - at), slope
+
+
+@njit(cache=True, error_model="numpy")
+def force_of_velocity(velocity, m):
+    """Active over isometric force at a velocity, and its slope: the inverse of `velocity_of_force` between its tangents."""
+    z = _D2 * velocity + _D3
+    return _D1 * math.asinh(z) + _D4, _D1 * _D2 / math.sqrt(z * z + 1.0)
