@@ -71,13 +71,13 @@ def HillMuscles_(T):
         metabolic_power   n       W    heat and work, Bhargava et al. (2004)
         ================= ======= ==== =======================================================================
 
-        time_step = 0: activation and fiber length are continuous states, in this order, for any of Drake's integrators and
-        for linearization: the system converts to AutoDiffXd, in which all outputs but the last five exist. Barely active
-        fibers are stiff (to 8e4 /s), so that is the way of checks.
+        time_step = 0: activation and fiber length are continuous states, in this order, for any of Drake's integrators
+        and for linearization: the system converts to AutoDiffXd, in which all outputs but the last five exist. Barely
+        active fibers are stiff (to 8e4 /s), so that is the way of checks.
 
-        time_step > 0 (s): the states are discrete. Each step is implicit and of second order (`muscle_step`), stable at any
-        activation. Then generalized_force is held constant over a step and does not feed arm_state through, while the
-        other forces follow the joints. It does not step in AutoDiffXd.
+        time_step > 0 (s): the states are discrete. Each step is implicit and of second order (`muscle_step`), stable at
+        any activation. Then generalized_force is held constant over a step and does not feed arm_state through, while
+        the other forces follow the joints. It does not step in AutoDiffXd.
         """
 
         def _construct(self, arm: Arm, time_step: float = 1e-3, *, converter=None):
@@ -151,7 +151,7 @@ def HillMuscles_(T):
             derivatives.SetFromVector(rates)
 
         def _differentiate(self, fibers, excitation, arm_state, rows):
-            """Rows of the values of `linearize_muscles` as AutoDiffXd: its Jacobian chained onto the inputs' gradients."""
+            """Rows of `linearize_muscles` as AutoDiffXd: its Jacobian chained onto the inputs' gradients."""
             inputs = [ExtractValue(x).ravel() for x in (fibers, excitation, arm_state)]
             value, jacobian = linearize_muscles(*inputs, *self._tables)
             gradient = ExtractGradient(np.concatenate([fibers, excitation, arm_state]))

@@ -32,8 +32,8 @@ def JointStops_(T):
         ================= ====== =========== =====================================
 
         lower, upper: ends of the range (n_q,), rad; infinite ends have no stop. stiffness: Nm/rad. damping: Nm s/rad.
-        time_step = 0: the torque follows arm_state. time_step > 0 (s): it is updated every step for the joint state that
-        is expected at the middle of the step, and held.
+        time_step = 0: the torque follows arm_state. time_step > 0 (s): it is updated every step for the joint state
+        that is expected at the middle of the step, and held.
         """
 
         def _construct(

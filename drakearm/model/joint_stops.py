@@ -4,23 +4,24 @@ import numpy as np
 from numba import njit
 
 SOFTENING = 0.02  # rad, penetration over which the damper comes in
+HARDENING = 0.15  # rad, penetration at which the spring pulls twice as hard as a linear one
 
 
 @njit(cache=True, error_model="numpy")
 def one_stop_torque(q, v, lower, upper, stiffness, damping):
     """Torque (Nm) that pushes a joint at angle q and speed v back into [lower, upper].
 
-    Beyond a limit by d, a spring and a damper resist: max(stiffness d + damping min(d / SOFTENING, 1) outward speed, 0).
-    Inside the range the torque is 0. A stop never pulls outward, and never returns more energy than its spring took.
-    Also runs uncompiled (py_func), with AutoDiffXd.
+    Beyond a limit by d, a hardening spring and a damper resist: max(stiffness d (1 + (d / HARDENING)^2) + damping
+    min(d / SOFTENING, 1) outward speed, 0). Stiff enough for a light arm, the spring would give way under a heavy load
+    if it did not harden. Inside the range the torque is 0. A stop never pulls outward, and never returns more energy
+    than its spring took. Also runs uncompiled (py_func), with AutoDiffXd.
     """
-    if q > upper:
-        depth = q - upper
-        return -max(stiffness * depth + damping * min(depth / SOFTENING, 1.0) * v, 0.0)
-    if q < lower:
-        depth = lower - q
-        return max(stiffness * depth - damping * min(depth / SOFTENING, 1.0) * v, 0.0)
-    return 0.0
+    if lower <= q <= upper:
+        return 0.0
+    side = 1.0 if q > upper else -1.0
+    depth = (q - upper) if q > upper else (lower - q)
+    spring = stiffness * depth * (1.0 + (depth / HARDENING) ** 2)
+    return -side * max(spring + damping * min(depth / SOFTENING, 1.0) * side * v, 0.0)
 
 
 @njit(cache=True, error_model="numpy")

@@ -19,8 +19,8 @@ from drakearm.muscle.contraction import (
 def linearize_muscles(fibers, excitation, arm_state, muscles, paths):
     """Values (4 n + n_q,) and Jacobian (4 n + n_q, 3 n + 2 n_q) of what the muscles do, in SI.
 
-    Values: activation rates, fiber velocities, tendon forces, musculotendon lengths, generalized force. Columns: activations,
-    fiber lengths, excitations, q, v.
+    Values: activation rates, fiber velocities, tendon forces, musculotendon lengths, generalized force. Columns:
+    activations, fiber lengths, excitations, q, v.
     """
     n, n_q = len(muscles), len(arm_state) // 2
     q, v = arm_state[:n_q], arm_state[n_q:]

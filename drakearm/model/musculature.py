@@ -1,7 +1,7 @@
 """All muscles of an arm at once: the compiled functions that every simulation of the muscles shares.
 
-`muscles` is `Arm.muscle_table` and `paths` is `Arm.path_table`; n muscles, n_q coordinates. arm_state: q and v, (2 n_q,).
-fibers: activations, then fiber lengths, (2 n,). Units: m, N, Nm, s, rad, W.
+`muscles` is `Arm.muscle_table` and `paths` is `Arm.path_table`; n muscles, n_q coordinates. arm_state: q and v, (2
+n_q,). fibers: activations, then fiber lengths, (2 n,). Units: m, N, Nm, s, rad, W.
 """
 
 import numpy as np
@@ -84,9 +84,10 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     """Advances the muscles' state in place by one time step and writes the generalized force to hold meanwhile.
 
     state: activation, fiber length, fiber length one step earlier, fiber velocity, each (n,) one after the other.
-    tau: (n_q,). arm_state: at the start of the step. Joints are extrapolated to the end of the step at their present speed;
-    the held force is the mean of the forces at both ends. Activation, fiber and held force are all of second order in the
-    time step; where a tendon is rigid, the held force is of first order, for its damping lags by half a step.
+    tau: (n_q,). arm_state: at the start of the step. Joints are extrapolated to the end of the step at their present
+    speed; the held force is the mean of the forces at both ends. Activation, fiber and held force are all of second
+    order in the time step; where a tendon is rigid, the held force is of first order, for its damping lags by half a
+    step.
     """
     n, n_q = len(muscles), len(tau)
     q, v = arm_state[:n_q], arm_state[n_q:]
@@ -164,7 +165,8 @@ def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -
 def resting_state(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The state (4 n,) of `muscle_step` for muscles at rest, and the generalized force (n_q,) that they exert.
 
-    activation: one for all muscles or (n,). Raises EquilibriumError where a muscle has no equilibrium at joint angles q.
+    activation: one for all muscles or (n,). Raises EquilibriumError where a muscle has no equilibrium at joint angles
+    q.
     """
     activations = np.full(len(arm.muscles), activation, dtype=float)
     fiber_length = equilibrium_fiber_lengths(arm, q, activations)

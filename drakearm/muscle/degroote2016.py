@@ -1,9 +1,10 @@
 """Curves of the De Groote-Fregly (2016) muscle, each with its derivative: smooth everywhere, for optimization.
 
-Dimensionless like those of `thelen2003`. Source: De Groote, Kinney, Rao, Fregly, "Evaluation of direct collocation optimal
-control problem formulations for solving the muscle redundancy problem", Annals of Biomedical Engineering 44:2922-2936, 2016,
-with the constants that OpenSim's DeGrooteFregly2016Muscle adjusts so that the curves pass through their key points.
-The tendon curve is slightly negative for a slack tendon, as published; so a slack tendon pushes with up to 0.2 forces.
+Dimensionless like those of `thelen2003`. Source: De Groote, Kinney, Rao, Fregly, "Evaluation of direct collocation
+optimal control problem formulations for solving the muscle redundancy problem", Annals of Biomedical Engineering
+44:2922-2936, 2016, with the constants that OpenSim's DeGrooteFregly2016Muscle adjusts so that the curves pass through
+their key points. The tendon curve is slightly negative for a slack tendon, as published; so a slack tendon pushes with
+up to 0.2 forces.
 """
 
 import math
@@ -63,6 +64,6 @@ def velocity_of_force(ratio, m):
 
 @njit(cache=True, error_model="numpy")
 def force_of_velocity(velocity, m):
-    """Active over isometric force at a velocity, and its slope: the inverse of `velocity_of_force` between its tangents."""
+    """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force` between its tangents."""
     z = _D2 * velocity + _D3
     return _D1 * math.asinh(z) + _D4, _D1 * _D2 / math.sqrt(z * z + 1.0)

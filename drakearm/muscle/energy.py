@@ -6,8 +6,8 @@ from numba import njit
 
 from drakearm.muscle.curves import active_force_length, passive_force_length
 
-# W/kg; Bhargava, Pandy, Anderson, "A phenomenological model for estimating metabolic energy consumption in muscle contraction",
-# Journal of Biomechanics 37:81-88, 2004.
+# W/kg; Bhargava, Pandy, Anderson, "A phenomenological model for estimating metabolic energy consumption in muscle
+# contraction", Journal of Biomechanics 37:81-88, 2004.
 _ACTIVATION_SLOW, _ACTIVATION_FAST = 40.0, 133.0
 _MAINTENANCE_SLOW, _MAINTENANCE_FAST = 74.0, 111.0
 _LEAST_HEAT = 1.0
@@ -34,8 +34,8 @@ def fiber_and_tendon_power(fiber_length, fiber_velocity, mtu_velocity, tendon_fo
 def metabolic_power(activation, excitation, fiber_length, fiber_velocity, active, passive, m):
     """Metabolic power (W) of a muscle: heat of activation, maintenance and shortening, and work (Bhargava et al. 2004).
 
-    active, passive: forces along the fiber (N). As in OpenSim's probe, activation heat does not decay, lengthening does no
-    work, and the heat does not fall below 1 W/kg. Basal power is left to the user.
+    active, passive: forces along the fiber (N). As in OpenSim's probe, activation heat does not decay, lengthening does
+    no work, and the heat does not fall below 1 W/kg. Basal power is left to the user.
     """
     u = min(max(excitation, 0.0), 1.0)
     slow, fast = m.slow_twitch_fraction, 1.0 - m.slow_twitch_fraction

@@ -80,7 +80,7 @@ def velocity_of_force(ratio, m):
 
 @njit(cache=True, error_model="numpy")
 def force_of_velocity(velocity, m):
-    """Active over isometric force at a velocity, and its slope: the inverse of `velocity_of_force`, but never below 0."""
+    """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force`, but is never below 0."""
     curvature = m.force_velocity_shape
     highest = m.eccentric_force
     if velocity <= -1.0:

@@ -1,4 +1,4 @@
-"""Whole simulations of 0.75 s against OpenSim 4.6: on its polynomial paths, and the spline arm on the file's own wraps."""
+"""Whole simulations of 0.75 s against OpenSim 4.6."""
 
 import numpy as np
 import pytest
@@ -66,7 +66,7 @@ def test_continuous_muscles_at_tight_accuracy(smooth, k):
 
 
 def test_discrete_muscles_at_1_ms(smooth):
-    """Tolerances: median of the runs' largest errors 0.001 rad, worst 0.01 rad; first order would reach 0.004 and 0.025."""
+    """Tolerances: median of the runs' largest errors 0.001 rad, worst 0.01 rad (first order: 0.004, 0.025)."""
     run, arm = smooth
     worst = [np.abs(simulate(arm, run, k, 1e-3)[0] - run["q"][k]).max() for k in RUNS]
     for label, error in zip(run["labels"], worst, strict=True):

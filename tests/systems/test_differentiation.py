@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from drakearm.diagrams import AddMuscleArm
 from drakearm.errors import DerivativeError
+from drakearm.model.joint_stops import HARDENING
 from drakearm.systems import HillMuscles, JointStops
 
 KINDS = [(model, tendon) for model in ("thelen2003", "degroote2016") for tendon in ("compliant", "rigid")]
@@ -85,8 +86,10 @@ def equilibrium(arm, excitation):
 
 @pytest.mark.parametrize("model", ["thelen2003", "degroote2016"])
 def test_diagram_converts_and_its_linearization_agrees_with_differences(arm, model):
-    """At rest activation dynamics has a kink, and so has Thelen's force-velocity curve: there the linearization takes one
-    side of it, and must lie between the differences ahead and behind; elsewhere these are the same."""
+    """At rest activation dynamics has a kink, and so has Thelen's force-velocity curve.
+
+    There the linearization takes one side: it lies between the differences ahead and behind, elsewhere equal.
+    """
     excitation = np.full(14, 0.02)
     excitation[5] = 0.15
     diagram, context = equilibrium(with_muscles(arm, model, "compliant"), excitation)
@@ -105,7 +108,7 @@ def test_diagram_converts_and_its_linearization_agrees_with_differences(arm, mod
         tolerance = 1e-4 * max(1.0, np.abs(ahead).max(), np.abs(behind).max())
         assert (linear.A()[:, k] >= np.minimum(ahead, behind) - tolerance).all()
         assert (linear.A()[:, k] <= np.maximum(ahead, behind) + tolerance).all()
-        smooth += np.allclose(ahead, behind, rtol=1e-3, atol=tolerance)
+        smooth += np.allclose(ahead, behind, rtol=1e-2, atol=tolerance)
     assert smooth >= (18 if model == "degroote2016" else 2)  # all but the activations; q and v at least
 
 
@@ -130,5 +133,7 @@ def test_stops_differentiate():
     context = differentiated.CreateDefaultContext()
     differentiated.GetInputPort("arm_state").FixValue(context, InitializeAutoDiff([1.1, -0.05, 0.2, 0.1]).ravel())
     tau = differentiated.GetOutputPort("generalized_force").Eval(context)
-    np.testing.assert_allclose(ExtractValue(tau).ravel(), [-502.0, 249.0])
-    np.testing.assert_allclose(ExtractGradient(tau), [[-5000, 0, -10, 0], [0, -5000, 0, -10]], atol=1e-12)
+    upper, lower = (0.1 / HARDENING) ** 2, (0.05 / HARDENING) ** 2
+    np.testing.assert_allclose(ExtractValue(tau).ravel(), [-500 * (1 + upper) - 2, 250 * (1 + lower) - 1])
+    expected = [[-5000 * (1 + 3 * upper), 0, -10, 0], [0, -5000 * (1 + 3 * lower), 0, -10]]
+    np.testing.assert_allclose(ExtractGradient(tau), expected, atol=1e-9)

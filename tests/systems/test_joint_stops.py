@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from pydrake.systems.framework import DiagramBuilder
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
-from drakearm.model.joint_stops import stop_torque
+from drakearm.model.joint_stops import HARDENING, stop_torque
 from drakearm.systems import JointStops
 from drakearm.systems.joint_stops import DAMPING, STIFFNESS
 
@@ -38,7 +38,8 @@ def test_torque_points_into_the_range(q0, q1, v0, v1):
 def test_power_never_exceeds_that_of_the_spring(q0, q1, v0, v1):
     """What the spring releases is what it took, so a stop never adds energy."""
     q, v = np.array([q0, q1]), np.array([v0, v1])
-    spring = -STIFFNESS * (np.maximum(q - UPPER, 0.0) - np.maximum(LOWER - q, 0.0))
+    depth = np.maximum(q - UPPER, 0.0) - np.maximum(LOWER - q, 0.0)
+    spring = -STIFFNESS * depth * (1.0 + (depth / HARDENING) ** 2)
     assert (torque(q, v) * v <= np.maximum(spring * v, 0.0) + 1e-9).all()
 
 
@@ -50,7 +51,7 @@ def test_output_port(outputs, time_step):
     if time_step:
         context.SetDiscreteState(stops.EvalUniquePeriodicDiscreteUpdate(context).value())
     tau = stops.GetOutputPort("generalized_force").Eval(context)
-    np.testing.assert_allclose(tau, [0.0, -STIFFNESS * 0.1])
+    np.testing.assert_allclose(tau, [0.0, -STIFFNESS * 0.1 * (1.0 + (0.1 / HARDENING) ** 2)])
 
 
 def test_arm_that_falls_onto_its_stop_is_held(arm):

@@ -1,0 +1,107 @@
+"""What every choice of model and tendon has in common, and the powers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drakearm.model import load_arm
+from drakearm.muscle import curves
+from drakearm.muscle.contraction import equilibrium_fiber_length, fiber_velocity, rigid_tendon_force, tendon_force
+from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabolic_power
+
+ARM = load_arm("arm14")
+MODELS = ("thelen2003", "degroote2016")
+
+
+def table(model, tendon="compliant"):
+    return replace(ARM, muscles=tuple(replace(m, model=model, tendon=tendon) for m in ARM.muscles)).muscle_table
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_key_points(model):
+    """Isometric force at optimal length, tendon force at its strain, rest at the isometric force."""
+    m = table(model)[0]
+    assert curves.active_force_length(1.0, m)[0] == pytest.approx(1.0)
+    assert curves.passive_force_length(1.6, m)[0] == pytest.approx(1.0)
+    assert curves.tendon_force_strain(0.033, m)[0] == pytest.approx(1.0)
+    assert curves.tendon_force_strain(0.0, m)[0] == pytest.approx(0.0)
+    assert curves.velocity_of_force(1.0, m)[0] == pytest.approx(0.0, abs=1e-12)
+    assert curves.velocity_of_force(0.0, m)[0] == pytest.approx(-1.0)
+
+
+def test_degroote_reaches_its_published_largest_force():
+    assert curves.force_of_velocity(1.0, table("degroote2016")[0])[0] == pytest.approx(1.794, abs=1e-3)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("velocity", [-0.99, -0.5, -0.01, 0.01, 0.3, 0.9, 2.0])
+def test_force_and_velocity_curves_invert_each_other(model, velocity):
+    m = table(model)[0]
+    force, slope = curves.force_of_velocity(velocity, m)
+    back, back_slope = curves.velocity_of_force(force, m)
+    assert back == pytest.approx(velocity, abs=1e-9)
+    assert slope * back_slope == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name", ["active_force_length", "passive_force_length", "tendon_force_strain", "velocity_of_force"]
+)
+def test_degroote_curves_have_no_kinks(name):
+    """Their slopes are derivatives, and have no jumps: halving the distance halves the change of slope."""
+    m = table("degroote2016")[0]
+    curve = getattr(curves, name)
+    low, high = {"tendon_force_strain": (-0.01, 0.06), "velocity_of_force": (-0.4, 2.2)}.get(name, (0.3, 1.8))
+    grid = np.linspace(low, high, 4001)
+    value, slope = np.array([curve(x, m) for x in grid]).T
+    numeric = np.gradient(value, grid)[1:-1]
+    np.testing.assert_allclose(slope[1:-1], numeric, rtol=2e-3, atol=2e-3 * np.abs(slope).max())
+    assert np.abs(np.diff(slope)).max() < 0.02 * np.ptp(slope)
+
+
+@settings(deadline=None)
+@given(
+    st.sampled_from(MODELS),
+    st.sampled_from(["compliant", "rigid"]),
+    st.integers(0, 13),
+    st.floats(0.01, 1.0),
+    st.floats(0.5, 1.5),
+)
+def test_equilibrium_is_where_fiber_and_tendon_pull_alike(model, tendon, i, a, stretch):
+    m = table(model, tendon)[i]
+    length = max(stretch * m["optimal_fiber_length"], 1.05 * m["minimum_fiber_length"])
+    mtu_length = m["tendon_slack_length"] * 1.01 + np.sqrt(length**2 - m["fiber_width"] ** 2)
+    fiber = equilibrium_fiber_length(a, mtu_length, m)
+    if tendon == "compliant":
+        velocity, _, slope, _ = fiber_velocity(a, fiber, mtu_length, m)
+        assert abs(velocity) <= abs(slope) * 1e-9 + 1e-12
+        pull = tendon_force(fiber, mtu_length, m)[0]
+    else:
+        pull = rigid_tendon_force(a, mtu_length, 0.0, m)[0]
+    cosine = np.sqrt(1 - (m["fiber_width"] / fiber) ** 2)
+    normalized = fiber / m["optimal_fiber_length"]
+    isometric = a * curves.active_force_length(normalized, m)[0] + curves.passive_force_length(normalized, m)[0]
+    assert pull == pytest.approx(isometric * m["max_isometric_force"] * cosine, rel=1e-5, abs=1e-4)
+
+
+def test_power_of_fiber_and_tendon_is_that_of_the_whole():
+    m = ARM.muscle_table[0]
+    fiber, tendon = fiber_and_tendon_power(0.12, -0.3, -0.5, 400.0, m)
+    assert fiber + tendon == pytest.approx(400.0 * 0.5)
+    active, passive = fiber_forces(0.12, 400.0, m)
+    assert (active + passive) * 0.3 == pytest.approx(fiber)
+
+
+def test_metabolic_power_by_hand():
+    """Isometric at optimal length and full activation, half slow fibers: heat of activation plus maintenance."""
+    m = ARM.muscle_table[0]
+    optimal, force = m["optimal_fiber_length"], m["max_isometric_force"]
+    mass = 1059.7 * force / 0.25e6 * optimal
+    assert m["mass"] == pytest.approx(mass)
+    rest = metabolic_power(1.0, 1.0, optimal, 0.0, force, 0.0, m)
+    assert rest == pytest.approx(mass * (0.5 * 40 + 0.5 * 133 + 0.5 * 74 + 0.5 * 111))
+    shortening = metabolic_power(1.0, 1.0, optimal, -0.1, 0.6 * force, 0.0, m)
+    assert shortening == pytest.approx(rest + (0.16 + 0.18 * 0.6) * force * 0.1 + 0.6 * force * 0.1)
+    assert metabolic_power(0.01, 0.0, optimal, 0.0, 0.0, 0.0, m) >= mass  # never below 1 W/kg
