@@ -4,9 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-# Numba's cache does not notice when a function changes that a cached one calls, so every state of the sources has its own.
 SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '*.yaml' -o -name '*.urdf'))
-export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba/$(shell cat $(SOURCES) | cksum | cut -d' ' -f1)
 
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)

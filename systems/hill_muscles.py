@@ -98,6 +98,8 @@ def HillMuscles_(T):
                 self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._step)
                 velocity_from = state
             else:
+                # Drake asks every system for time derivatives, and asking Python costs time where there are none.
+                self.__class__ = Continuous
                 self.DeclareContinuousState(BasicVector_[T](resting[: 2 * n]))
                 state = {self.xc_ticket()}
                 self.DeclareVectorOutputPort("generalized_force", n_q, self._calc_generalized_force, state | joints)
@@ -137,18 +139,8 @@ def HillMuscles_(T):
 
         def _fibers(self, context):
             """Activations, then fiber lengths."""
-            return self._state(context)[: 2 * self._n]
-
-        def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState):
-            if self.time_step > 0.0:
-                return
-            fibers, excitation = self._fibers(context), self._excitation.Eval(context)
-            arm_state = self._arm_state.Eval(context)
-            if T is float:
-                rates = muscle_rates(fibers, excitation, arm_state, *self._tables)
-            else:
-                rates = self._differentiate(fibers, excitation, arm_state, slice(0, 2 * self._n))
-            derivatives.SetFromVector(rates)
+            state = self._state(context)
+            return state[: 2 * self._n] if self.time_step > 0.0 else state
 
         def _differentiate(self, fibers, excitation, arm_state, rows):
             """Rows of `linearize_muscles` as AutoDiffXd: its Jacobian chained onto the inputs' gradients."""
@@ -234,6 +226,16 @@ def HillMuscles_(T):
         def _require_float(self, name):
             if T is not float:
                 raise DerivativeError(f"HillMuscles has no derivatives of its output {name}: expected doubles.")
+
+    class Continuous(Impl):
+        def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState):
+            fibers, excitation = self._fibers(context), self._excitation.Eval(context)
+            arm_state = self._arm_state.Eval(context)
+            if T is float:
+                rates = muscle_rates(fibers, excitation, arm_state, *self._tables)
+            else:
+                rates = self._differentiate(fibers, excitation, arm_state, slice(0, 2 * self._n))
+            derivatives.SetFromVector(rates)
 
     return Impl
 

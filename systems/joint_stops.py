@@ -5,7 +5,8 @@ from pydrake.autodiffutils import AutoDiffXd
 from pydrake.systems.framework import BasicVector_, Context, DiscreteValues, LeafSystem_
 from pydrake.systems.scalar_conversion import TemplateSystem
 
-from drakearm.model.joint_stops import one_stop_torque, stop_torque
+from drakearm.errors import DerivativeError
+from drakearm.model.joint_stops import held_stop_torque, one_stop_torque, stop_torque
 
 STIFFNESS = 5000.0  # Nm/rad
 DAMPING = 10.0  # Nm s/rad
@@ -71,21 +72,22 @@ def JointStops_(T):
                 converter=converter,
             )
 
-        def _torque(self, context: Context) -> np.ndarray:
-            state = self._arm_state.Eval(context)
-            q, v = state[: len(self.lower)], state[len(self.lower) :]
-            q = q + 0.5 * self.time_step * v
-            if T is float:
-                return stop_torque(q, v, self.lower, self.upper, self.stiffness, self.damping)
-            joints = zip(q, v, self.lower, self.upper, strict=True)
-            torques = [one_stop_torque.py_func(*x, self.stiffness, self.damping) for x in joints]
-            return np.array([AutoDiffXd(0.0) + tau for tau in torques])
-
         def _step(self, context: Context, state: DiscreteValues):
-            state.set_value(self._torque(context))
+            if T is not float:
+                raise DerivativeError("Discrete JointStops cannot step in AutoDiffXd: expected time_step = 0.")
+            tau, arm_state = state.get_mutable_value(0), self._arm_state.Eval(context)
+            limits = (self.lower, self.upper, self.stiffness, self.damping)
+            held_stop_torque(tau, arm_state, self.time_step, *limits)
 
         def _calc_generalized_force(self, context: Context, output: BasicVector_[T]):
-            output.SetFromVector(self._torque(context))
+            q, v = np.split(self._arm_state.Eval(context), 2)
+            if T is float:
+                tau = stop_torque(q, v, self.lower, self.upper, self.stiffness, self.damping)
+            else:
+                joints = zip(q, v, self.lower, self.upper, strict=True)
+                torques = [one_stop_torque.py_func(*x, self.stiffness, self.damping) for x in joints]
+                tau = np.array([AutoDiffXd(0.0) + torque for torque in torques])
+            output.SetFromVector(tau)
 
     return Impl
 

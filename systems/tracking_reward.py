@@ -3,10 +3,11 @@
 from typing import Annotated
 
 import numpy as np
-from numba import njit
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from drakearm.model.tracking import tracking_reward
 
 Weights = tuple[Annotated[float, Field(ge=0, allow_inf_nan=False)], ...]
 
@@ -22,17 +23,6 @@ class RewardWeights:
     def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position, velocity and acceleration weights, each (n_q,)."""
         return np.array(self.position), np.array(self.velocity), np.array(self.acceleration)
-
-
-@njit(cache=True, error_model="numpy")
-def tracking_reward(q, v, a, reference_q, reference_v, w_q, w_v, w_a):
-    """Minus the weighted squares of position errors, velocity errors and accelerations (eq. 6); all arrays (n_q,)."""
-    reward = 0.0
-    for i in range(len(q)):
-        reward -= w_q[i] * (reference_q[i] - q[i]) ** 2
-        reward -= w_v[i] * (reference_v[i] - v[i]) ** 2
-        reward -= w_a[i] * a[i] ** 2
-    return reward
 
 
 class TrackingReward(LeafSystem):

@@ -6,15 +6,15 @@ functions that the systems call. The integrator is Drake's explicit trapezoidal 
 """
 
 import numpy as np
-from numba import njit
 
 from drakearm.model.dynamics import forward_dynamics
-from drakearm.model.joint_stops import stop_torque
+from drakearm.model.joint_stops import held_stop_torque
 from drakearm.model.musculature import muscle_step
-from drakearm.systems.tracking_reward import tracking_reward
+from drakearm.model.tracking import tracking_reward
+from drakearm.muscle.compiled import compiled
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, muscles, paths, dynamics, stops):
     """Advances N arms in place by a number of time steps with their excitations held.
 
@@ -23,11 +23,12 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
     """
     n_q = torque.shape[1]
     lower, upper, stiffness, damping = stops
+    stop = np.empty(n_q)
     for k in range(len(arm_state)):
         x, tau = arm_state[k], torque[k]
         for _ in range(steps):
             q, v = x[:n_q], x[n_q:]
-            stop = stop_torque(q + 0.5 * time_step * v, v, lower, upper, stiffness, damping)
+            held_stop_torque(stop, x, time_step, lower, upper, stiffness, damping)
             muscle_step(muscle_state[k], tau, excitation[k], x, time_step, muscles, paths)
             tau += stop
             a = forward_dynamics(q, v, tau, dynamics)
@@ -37,7 +38,7 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
             v += 0.5 * time_step * (a + later_a)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def rewards(arm_state, torque, reference_q, reference_v, weights, dynamics):
     """Rewards (N,) of N arms where they are, see `tracking_reward`; torque, reference_q, reference_v: (N, n_q)."""
     n_q = torque.shape[1]

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.dataclasses import dataclass
 from scipy.interpolate import BSpline
 
-from drakearm.model.paths import PathTable, make_path_table
+from drakearm.model.paths import make_path_table
 from drakearm.muscle import thelen2003
 from drakearm.muscle.parameters import MODEL_CODES, MUSCLE_DTYPE
 
@@ -154,7 +154,7 @@ class Arm:
         return np.array(rows, dtype=MUSCLE_DTYPE)
 
     @cached_property
-    def path_table(self) -> PathTable:
+    def path_table(self) -> np.ndarray:
         """The muscles' path functions, for the compiled functions."""
         return make_path_table(
             [

@@ -8,11 +8,11 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
+from drakearm.muscle.compiled import compiled
 
 _ANGLES = 2.0 * np.pi / 5.0 * np.arange(5)
 _NEGLIGIBLE = 1e-14  # of the largest coefficient
@@ -79,7 +79,7 @@ def _basis(q: np.ndarray) -> np.ndarray:
     return np.stack([np.ones_like(q), np.cos(q), np.sin(q), np.cos(2 * q), np.sin(2 * q)], axis=-1)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _values_and_slopes(q):
     """The five functions of every joint angle and their derivatives, each (n_q, 5)."""
     values, slopes = np.empty((len(q), 5)), np.empty((len(q), 5))
@@ -91,7 +91,7 @@ def _values_and_slopes(q):
     return values, slopes
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def forward_dynamics(q, v, tau, dynamics):
     """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau: M a = tau + gravity - Coriolis."""
     n_q = len(q)
@@ -127,7 +127,7 @@ def forward_dynamics(q, v, tau, dynamics):
     return _solve(mass, force)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _solve(mass, force):
     """Solves mass * a = force for a positive definite mass matrix, which it overwrites, as it does force."""
     n = len(force)

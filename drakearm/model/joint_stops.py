@@ -1,13 +1,14 @@
 """The torque of joint stops, compiled: every simulation of the arm shares it."""
 
 import numpy as np
-from numba import njit
+
+from drakearm.muscle.compiled import compiled
 
 SOFTENING = 0.02  # rad, penetration over which the damper comes in
 HARDENING = 0.15  # rad, penetration at which the spring pulls twice as hard as a linear one
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def one_stop_torque(q, v, lower, upper, stiffness, damping):
     """Torque (Nm) that pushes a joint at angle q and speed v back into [lower, upper].
 
@@ -24,10 +25,20 @@ def one_stop_torque(q, v, lower, upper, stiffness, damping):
     return -side * max(spring + damping * min(depth / SOFTENING, 1.0) * side * v, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def stop_torque(q, v, lower, upper, stiffness, damping):
     """`one_stop_torque` of every joint; all arrays (n_q,)."""
     tau = np.empty(len(q))
     for i in range(len(q)):
         tau[i] = one_stop_torque(q[i], v[i], lower[i], upper[i], stiffness, damping)
     return tau
+
+
+@compiled
+def held_stop_torque(tau, arm_state, time_step, lower, upper, stiffness, damping):
+    """Writes the torques (n_q,) to hold for a time step: those of the joint state expected at its middle."""
+    n_q = len(tau)
+    for i in range(n_q):
+        v = arm_state[n_q + i]
+        q = arm_state[i] + 0.5 * time_step * v
+        tau[i] = one_stop_torque(q, v, lower[i], upper[i], stiffness, damping)

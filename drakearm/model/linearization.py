@@ -1,11 +1,11 @@
 """First derivatives of the muscles' equations: what `HillMuscles` needs for automatic differentiation."""
 
 import numpy as np
-from numba import njit
 
 from drakearm.model.musculature import mtu_velocity
 from drakearm.model.paths import evaluate_path_curvatures, evaluate_paths
 from drakearm.muscle.activation import activation_rate
+from drakearm.muscle.compiled import compiled
 from drakearm.muscle.contraction import (
     fiber_velocity,
     rigid_fiber,
@@ -15,7 +15,7 @@ from drakearm.muscle.contraction import (
 )
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def linearize_muscles(fibers, excitation, arm_state, muscles, paths):
     """Values (4 n + n_q,) and Jacobian (4 n + n_q, 3 n + 2 n_q) of what the muscles do, in SI.
 

@@ -5,12 +5,12 @@ n_q,). fibers: activations, then fiber lengths, (2 n,). Units: m, N, Nm, s, rad,
 """
 
 import numpy as np
-from numba import njit
 
 from drakearm.errors import EquilibriumError
 from drakearm.model.arm import Arm
 from drakearm.model.paths import evaluate_paths
 from drakearm.muscle.activation import activation_rate, activation_step
+from drakearm.muscle.compiled import compiled
 from drakearm.muscle.contraction import (
     equilibrium_fiber_length,
     fiber_step,
@@ -22,7 +22,7 @@ from drakearm.muscle.contraction import (
 from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabolic_power
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def muscle_geometry(q, muscles, paths):
     """Musculotendon lengths (n,) and moment arms (n, n_q)."""
     length = np.empty(len(muscles))
@@ -31,7 +31,7 @@ def muscle_geometry(q, muscles, paths):
     return length, moment_arm
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def mtu_velocity(i, moment_arm, v):
     """Rate of change (m/s) of the musculotendon length of muscle i."""
     velocity = 0.0
@@ -40,7 +40,7 @@ def mtu_velocity(i, moment_arm, v):
     return velocity
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def muscle_force(activation, fiber_length, mtu_length, mtu_speed, m):
     """Tendon force (N) of a muscle with either kind of tendon."""
     if m.rigid_tendon:
@@ -48,7 +48,7 @@ def muscle_force(activation, fiber_length, mtu_length, mtu_speed, m):
     return tendon_force(fiber_length, mtu_length, m)[0]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def tendon_forces(fibers, arm_state, muscles, paths):
     """Tendon forces (n,) and the generalized force (n_q,) that they exert."""
     n, n_q = len(muscles), len(arm_state) // 2
@@ -63,7 +63,7 @@ def tendon_forces(fibers, arm_state, muscles, paths):
     return force, tau
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def muscle_rates(fibers, excitation, arm_state, muscles, paths):
     """Time derivatives (2 n,) of activations and fiber lengths."""
     n, n_q = len(muscles), len(arm_state) // 2
@@ -79,7 +79,7 @@ def muscle_rates(fibers, excitation, arm_state, muscles, paths):
     return rates
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     """Advances the muscles' state in place by one time step and writes the generalized force to hold meanwhile.
 
@@ -114,7 +114,7 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
         state[3 * n + i] = velocity
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
     """What users ask for: active and passive force, fiber and tendon power, metabolic power, a row (n,) each.
 
@@ -137,7 +137,7 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
     return report
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _equilibrium(activation, q, muscles, paths):
     length, _ = muscle_geometry(q, muscles, paths)
     fiber_length = np.empty(len(muscles))

@@ -6,87 +6,86 @@ disagree.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import BSpline
 
-TERM_DTYPE = np.dtype(
-    [
-        ("muscle", np.int64),
-        ("coordinate", np.int64),
-        ("first", np.int64),  # row of the first piece
-        ("last", np.int64),  # row that only holds the end of the last piece
-    ],
-    align=True,
-)
+from drakearm.muscle.compiled import compiled
+
+_CLOSING = -1.0  # in place of the muscle: this row only says where the row before it ends
 
 
-class PathTable(NamedTuple):
-    """Splines of all muscles as polynomial pieces, for the compiled functions.
+def make_path_table(terms: list[tuple[int, int, BSpline]]) -> np.ndarray:
+    """The splines of (muscle, coordinate, spline) terms as polynomial pieces, for the compiled functions.
 
-    terms: one record of `TERM_DTYPE` a spline. pieces: one row a piece, where it starts (rad) and the coefficients c_j
-    (m) of sum_j c_j * (q - start)^j; the piece ends where the next row starts.
+    Each row is a piece: muscle, coordinate, start (rad), and the coefficients c_j (m) of sum_j c_j (q - start)^j. The
+    rows of a term follow each other; a row with muscle -1 closes it. Spline degrees may differ. It is one array because
+    each further argument would cost a call from Python as much as ten splines.
     """
-
-    terms: np.ndarray
-    pieces: np.ndarray
-
-
-def make_path_table(terms: list[tuple[int, int, BSpline]]) -> PathTable:
-    """The table of (muscle, coordinate, spline) terms; spline degrees may differ."""
     order = 1 + max((spline.k for _, _, spline in terms), default=0)
-    records, blocks, first = [], [], 0
+    blocks = [np.zeros((0, 3 + order))]
     for muscle, coordinate, spline in terms:
         knots = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
-        block = np.zeros((len(knots), 1 + order))
-        block[:, 0] = knots
+        block = np.zeros((len(knots), 3 + order))
+        block[:, 0] = muscle
+        block[-1, 0] = _CLOSING
+        block[:, 1] = coordinate
+        block[:, 2] = knots
         for j in range(spline.k + 1):
-            block[:-1, 1 + j] = spline(knots[:-1], nu=j) / math.factorial(j)
+            block[:-1, 3 + j] = spline(knots[:-1], nu=j) / math.factorial(j)
         blocks.append(block)
-        records.append((muscle, coordinate, first, first + len(knots) - 1))
-        first += len(knots)
-    return PathTable(np.array(records, dtype=TERM_DTYPE), np.concatenate(blocks))
+    return np.concatenate(blocks)
 
 
-@njit(cache=True, error_model="numpy")
-def _evaluate_term(q, first, last, pieces):
+@compiled
+def _last_row(first, paths):
+    """The row that closes the term which begins in a row."""
+    last = first
+    while paths[last, 0] != _CLOSING:
+        last += 1
+    return last
+
+
+@compiled
+def _evaluate_term(q, first, last, paths):
     """Value, first and second derivative at q of the spline in the rows first to last."""
-    x = min(max(q, pieces[first, 0]), pieces[last, 0])
+    x = min(max(q, paths[first, 2]), paths[last, 2])
     row = first
-    while row + 1 < last and x >= pieces[row + 1, 0]:
+    while row + 1 < last and x >= paths[row + 1, 2]:
         row += 1
-    t = x - pieces[row, 0]
+    t = x - paths[row, 2]
     value = slope = curve = 0.0
-    for j in range(pieces.shape[1] - 1, 0, -1):
+    for j in range(paths.shape[1] - 1, 2, -1):
         curve = curve * t + 2.0 * slope
         slope = slope * t + value
-        value = value * t + pieces[row, j]
+        value = value * t + paths[row, j]
     if q == x:
         return value, slope, curve
     return value + slope * (q - x), slope, 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def evaluate_paths(q, paths, length, moment_arm):
     """Writes lengths (n,) and moment arms (n, n_q), both in m, at the joint angles q (n_q,) in rad."""
     length[:] = 0.0
     moment_arm[:] = 0.0
-    for k in range(len(paths.terms)):
-        term = paths.terms[k]
-        i, j = term.muscle, term.coordinate
-        value, slope, _ = _evaluate_term(q[j], term.first, term.last, paths.pieces)
+    first = 0
+    while first < len(paths):
+        last = _last_row(first, paths)
+        i, j = int(paths[first, 0]), int(paths[first, 1])
+        value, slope, _ = _evaluate_term(q[j], first, last, paths)
         length[i] += value
         moment_arm[i, j] -= slope
+        first = last + 1
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def evaluate_path_curvatures(q, paths, curvature):
-    """Writes the second derivatives (n, n_q) of the lengths, in m/rad^2; mixed ones vanish because lengths are sums."""
+    """Writes the second derivatives (n, n_q) of the lengths (m/rad^2); mixed ones vanish, as lengths are sums."""
     curvature[:] = 0.0
-    for k in range(len(paths.terms)):
-        term = paths.terms[k]
-        j = term.coordinate
-        _, _, second = _evaluate_term(q[j], term.first, term.last, paths.pieces)
-        curvature[term.muscle, j] += second
+    first = 0
+    while first < len(paths):
+        last = _last_row(first, paths)
+        i, j = int(paths[first, 0]), int(paths[first, 1])
+        curvature[i, j] += _evaluate_term(q[j], first, last, paths)[2]
+        first = last + 1

@@ -1,9 +1,9 @@
 """Activation dynamics: how the activation of a muscle follows its excitation."""
 
-from numba import njit
+from drakearm.muscle.compiled import compiled
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def activation_rate(activation, excitation, m):
     """Time derivative of the activation (1/s) and its derivatives by activation and excitation.
 
@@ -21,7 +21,7 @@ def activation_rate(activation, excitation, m):
     return (u - activation) * rate, -rate + (u - activation) * 1.5 / m.deactivation_time, rate * free
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def activation_step(activation, excitation, time_step, m):
     """Activation after a time step with the excitation held: explicit midpoint rule, second order."""
     rate, _, _ = activation_rate(activation, excitation, m)

@@ -6,8 +6,7 @@ sqrt(l^2 - width^2). Fibers below their minimum length count as that long, as in
 
 import math
 
-from numba import njit
-
+from drakearm.muscle.compiled import compiled
 from drakearm.muscle.curves import (
     active_force_length,
     force_of_velocity,
@@ -22,13 +21,13 @@ ITERATIONS = 100
 TOLERANCE = 1e-8  # of the optimal fiber length, on the last of Newton's moves: what remains is its square
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def shortest_fiber(m):
     """The length (m) below which no fiber gets."""
     return max(m.minimum_fiber_length, SHORTEST * m.optimal_fiber_length)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def tendon_force(fiber_length, mtu_length, m):
     """Force (N) of a compliant tendon and its derivatives by fiber and musculotendon length (N/m)."""
     fiber_length = max(fiber_length, m.minimum_fiber_length)
@@ -38,7 +37,7 @@ def tendon_force(fiber_length, mtu_length, m):
     return force * m.max_isometric_force, -by_mtu * fiber_length / along, by_mtu
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def rigid_fiber(mtu_length, mtu_velocity, m):
     """Length and velocity of a fiber on a rigid tendon, and the cosine of its pennation angle."""
     along = max(mtu_length - m.tendon_slack_length, 0.0)
@@ -50,7 +49,7 @@ def rigid_fiber(mtu_length, mtu_velocity, m):
     return fiber_length, mtu_velocity * cosine, cosine
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
     """Force (N) that a fiber puts on its rigid tendon; derivatives by activation, musculotendon length and velocity."""
     a = min(max(activation, m.minimum_activation), 1.0)
@@ -75,7 +74,7 @@ def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
     return f_max * force * cosine, f_max * by_activation * cosine, f_max * by_length, f_max * by_velocity
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def fiber_velocity(activation, fiber_length, mtu_length, m):
     """Fiber velocity (m/s) and its derivatives by activation, fiber length and musculotendon length.
 
@@ -116,13 +115,13 @@ def fiber_velocity(activation, fiber_length, mtu_length, m):
     return velocity, by_activation, by_ratio * ratio_by_length, by_ratio * by_strain / (cosine * isometric)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _slack_fiber_length(mtu_length, m):
     """Fiber length at which the tendon just goes slack."""
     return math.sqrt(max(mtu_length - m.tendon_slack_length, 0.0) ** 2 + m.fiber_width**2)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _solve_fiber(weight, base, activation, mtu_length, guess, m):
     """Fiber length x with weight * (x - base) = fiber_velocity(x), or the shortest one where that is above the root.
 
@@ -148,7 +147,7 @@ def _solve_fiber(weight, base, activation, mtu_length, guess, m):
     return x
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def equilibrium_fiber_length(activation, mtu_length, m):
     """Fiber length (m) at which a resting fiber and its tendon pull alike; NaN if none is short enough."""
     if m.rigid_tendon:
@@ -161,7 +160,7 @@ def equilibrium_fiber_length(activation, mtu_length, m):
     return _solve_fiber(0.0, 0.0, activation, mtu_length, guess, m)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def fiber_step(activation, fiber_length, previous_fiber_length, mtu_length, time_step, m):
     """Fiber length and velocity a time step later, with activation and musculotendon length of that later instant.
 

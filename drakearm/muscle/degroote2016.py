@@ -9,7 +9,7 @@ up to 0.2 forces.
 
 import math
 
-from numba import njit
+from drakearm.muscle.compiled import compiled
 
 _GAUSSIANS = (
     (0.8150671134243542, 1.055033428970575, 0.162384573599574, 0.063303448465465),
@@ -22,7 +22,7 @@ _SHORTEST_PASSIVE = 0.2  # fiber length at which the passive force is 0
 _LOWEST, _HIGHEST = -0.5, 2.3  # forces beyond which the velocity, then over 5, continues along tangents
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length: a sum of three Gaussian-like curves."""
     force = slope = 0.0
@@ -35,7 +35,7 @@ def active_force_length(length, m):
     return force, slope
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length: an exponential, 0 at _SHORTEST_PASSIVE."""
     rate = m.passive_shape / m.passive_strain
@@ -45,7 +45,7 @@ def passive_force_length(length, m):
     return (growth - offset) * scale, rate * growth * scale
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def tendon_force_strain(strain, m):
     """Tendon force and its slope at a strain: an exponential through 0 at slack length and 1 at tendon_strain."""
     rate = math.log((1.0 + _TENDON_SCALE) / _TENDON_SCALE) / m.tendon_strain
@@ -53,7 +53,7 @@ def tendon_force_strain(strain, m):
     return _TENDON_SCALE * (growth - 1.0), _TENDON_SCALE * rate * growth
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def velocity_of_force(ratio, m):
     """Velocity at a ratio of active force to isometric force, and its slope: a hyperbolic sine."""
     at = min(max(ratio, _LOWEST), _HIGHEST)
@@ -62,7 +62,7 @@ def velocity_of_force(ratio, m):
     return (math.sinh(z) - _D3) / _D2 + slope * (ratio - at), slope
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def force_of_velocity(velocity, m):
     """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force` between its tangents."""
     z = _D2 * velocity + _D3

@@ -7,7 +7,7 @@ model parameters to simulate dynamic contractions in older adults", J. Biomech. 
 
 import math
 
-from numba import njit
+from drakearm.muscle.compiled import compiled
 
 TOE_SHAPE = 3.0  # exponent of the tendon's toe region
 TOE_FORCE = 0.33  # tendon force where the toe region ends
@@ -26,14 +26,14 @@ def tendon_stiffness(tendon_strain: float) -> float:
     return (1.0 - TOE_FORCE) / (tendon_strain - toe_strain(tendon_strain))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length (eq. 4)."""
     force = math.exp(-((length - 1.0) ** 2) / m.active_width)
     return force, -2.0 * (length - 1.0) / m.active_width * force
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length (eq. 3), 0 below the optimal length."""
     if length <= 1.0:
@@ -44,7 +44,7 @@ def passive_force_length(length, m):
     return (growth - 1.0) * scale, rate * growth * scale
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def tendon_force_strain(strain, m):
     """Tendon force and its slope at a strain (eq. 5): exponential toe, then linear; 0 when slack."""
     if strain <= 0.0:
@@ -55,7 +55,7 @@ def tendon_force_strain(strain, m):
     return (growth - 1.0) * TOE_SCALE, TOE_SHAPE / m.toe_strain * growth * TOE_SCALE
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def velocity_of_force(ratio, m):
     """Shortening (< 0) or lengthening velocity at a ratio of active force to isometric force, and its slope (eq. 6).
 
@@ -78,7 +78,7 @@ def velocity_of_force(ratio, m):
     return scale * (at - 1.0) / denominator + slope * (ratio - at), slope
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def force_of_velocity(velocity, m):
     """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force`, but is never below 0."""
     curvature = m.force_velocity_shape
@@ -95,7 +95,7 @@ def force_of_velocity(velocity, m):
     return (at * highest + scale) / (at + scale) + slope * (velocity - at), slope
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def velocity_scale(activation):
     """Factor of the velocity at an activation, and its slope (eq. 6): a quarter at rest, 1 at full activation."""
     return 0.25 + 0.75 * activation, 0.75
