@@ -9,13 +9,17 @@ SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint bench clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
 
 test: $(LINKED) ## all tests, in parallel
 	$(BIN)/pytest -n 2
+
+bench: $(LINKED) ## how fast and how accurate the muscle arm is
+	$(BIN)/python tests/benchmarks/speed.py
+	$(BIN)/python tests/benchmarks/integration.py
 
 lint: $(LINKED) ## style and types
 	$(BIN)/ruff check .

@@ -122,7 +122,7 @@ def _slack_fiber_length(mtu_length, m):
 
 
 @compiled
-def _solve_fiber(weight, base, activation, mtu_length, guess, m):
+def solve_fiber(weight, base, activation, mtu_length, guess, m):
     """Fiber length x with weight * (x - base) = fiber_velocity(x), or the shortest one where that is above the root.
 
     The left side rises and the right side falls with x, so the root lies below the base or the length at which the
@@ -157,7 +157,7 @@ def equilibrium_fiber_length(activation, mtu_length, m):
     if velocity <= 0.0:
         return math.nan
     guess = _slack_fiber_length(mtu_length, m)
-    return _solve_fiber(0.0, 0.0, activation, mtu_length, guess, m)
+    return solve_fiber(0.0, 0.0, activation, mtu_length, guess, m)
 
 
 @compiled
@@ -170,5 +170,5 @@ def fiber_step(activation, fiber_length, previous_fiber_length, mtu_length, time
     base = (4.0 * fiber_length - previous_fiber_length) / 3.0
     guess = 2.0 * fiber_length - previous_fiber_length
     weight = 1.5 / time_step
-    later = _solve_fiber(weight, base, activation, mtu_length, guess, m)
+    later = solve_fiber(weight, base, activation, mtu_length, guess, m)
     return later, weight * (later - base)

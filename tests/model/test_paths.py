@@ -67,17 +67,20 @@ def test_known_lengths_and_moment_arms():
     assert (moment_arm[[names.index(n) for n in ("TRIlong", "TRIlat", "TRImed", "ANC")], 1] < 0.0).all()
 
 
-def test_moment_arms_against_opensim(oracle):
-    """physics.md: at most 1.4 mm in the fitted range."""
+def test_paths_against_opensim(oracle):
+    """Moment arms differ from OpenSim's by at most 1.4 mm in the fitted range (table: docs/validation.md)."""
     grid = oracle("paths_grid.npz")
-    shoulder, elbow = grid["shoulder"], grid["elbow"]
-    rows = np.flatnonzero((shoulder >= np.deg2rad(-60)) & (shoulder <= np.deg2rad(105)))
-    columns = np.flatnonzero((elbow >= 0.0) & (elbow <= np.deg2rad(130)))
-    error = np.array(
-        [
-            [np.abs(geometry(shoulder[i], elbow[j])[1] - grid["moment_arm"][:, i, j])[:, 1] for j in columns]
-            for i in rows
-        ]
+    rounding = 1e-9
+    rows = np.flatnonzero(np.abs(grid["shoulder"] - np.deg2rad(22.5)) <= np.deg2rad(82.5) + rounding)
+    columns = np.flatnonzero(np.abs(grid["elbow"] - np.deg2rad(65)) <= np.deg2rad(65) + rounding)
+    ours = [[geometry(grid["shoulder"][i], grid["elbow"][j]) for j in columns] for i in rows]
+    length = np.abs(
+        np.array([[g[0] for g in row] for row in ours]) - np.moveaxis(grid["length"], 0, -1)[rows][:, columns]
     )
-    print("elbow moment arms, largest error in mm:", dict(zip(ARM.muscle_names, 1e3 * error.max((0, 1)), strict=True)))
-    assert error.max() < 1.4e-3
+    theirs = np.moveaxis(grid["moment_arm"], 0, -2)[rows][:, columns]
+    moment_arm = np.abs(np.array([[g[1] for g in row] for row in ours]) - theirs)
+    print("largest errors in mm: length, shoulder and elbow moment arm")
+    for i, name in enumerate(ARM.muscle_names):
+        shoulder, elbow = 1e3 * moment_arm[..., i, :].max(axis=(0, 1))
+        print(f"| {name} | {1e3 * length[..., i].max():.2f} | {shoulder:.2f} | {elbow:.2f} |")
+    assert moment_arm.max() < 1.4e-3
