@@ -140,8 +140,14 @@ def _require_finite(values: Tensor, name: str, batch: int) -> None:
 
 
 def _tracking_errors(infos: dict[str, Any], moved: NDArray[np.bool_]) -> list[NDArray[Any]]:
-    """The absolute tracking errors, flat, of the environments that `moved` and told theirs."""
-    if "tracking_error" not in infos:
-        return []
-    told = moved & infos.get("_tracking_error", True)
-    return [np.abs(infos["tracking_error"][told]).ravel()]
+    """The absolute tracking errors, flat, of the environments that `moved` and told theirs.
+
+    Where Gymnasium has reset an environment in the same step, the info of its last transition is in `final_info`.
+    """
+    errors = []
+    for info in (infos.get("final_info", {}), infos):
+        if "tracking_error" in info:
+            told = moved & info.get("_tracking_error", True)
+            errors.append(np.abs(info["tracking_error"][told]).ravel())
+            moved = moved & ~told
+    return errors

@@ -260,3 +260,23 @@ def test_settings_come_from_plain_data():
     ):
         with pytest.raises(ValidationError, match=next(iter(wrong))):
             read(wrong)
+
+
+class Erring(Counter):
+    """Tells the number of steps so far as its tracking error, and something absurd at a reset."""
+
+    def reset(self, *, seed=None, options=None):
+        observation, _ = super().reset(seed=seed)
+        return observation, {"tracking_error": np.array([1000.0])}
+
+    def step(self, action):
+        *rest, _ = super().step(action)
+        return *rest, {"tracking_error": np.array([-float(self.count)])}
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_tracking_error_is_that_of_transitions_and_not_of_resets(mode):
+    envs = SyncVectorEnv([lambda: Erring(length=4)] * 2, autoreset_mode=mode)
+    steps = 4 if mode is AutoresetMode.SAME_STEP else 5  # with the step that only resets
+    rollout = Collector(envs, steps, seed=0).collect(Actor(1, 1), torch.Generator(), batch=1)
+    assert rollout.tracking_error == (1 + 2 + 3 + 4) / 4
