@@ -5,6 +5,8 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from drakearm.errors import RunFolderError
 from drakearm.experiments.scenario import Scenario, find_scenario, load_scenario
 
@@ -48,11 +50,19 @@ class RunFolder:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def keep_scenario(self, scenario: str | Path) -> Scenario:
-        """Copies the scenario's file into the folder and returns it. Raises ScenarioError where it is not valid."""
+        """Copies the scenario's file, and its arm if that is a user's own, into the folder and returns the scenario.
+
+        Raises ScenarioError where it is not valid.
+        """
         file, loaded = find_scenario(scenario), load_scenario(scenario)
-        if file.resolve() != self.path("scenario").resolve():
-            shutil.copyfile(file, self.path("scenario"))
-        return loaded
+        if file.resolve() == self.path("scenario").resolve():
+            return loaded
+        text = file.read_text()
+        if Path(loaded.arm).is_absolute():
+            shutil.copytree(loaded.arm, self.folder / "arm", dirs_exist_ok=True)
+            text = yaml.safe_dump({**yaml.safe_load(text), "arm": "arm"}, sort_keys=False)
+        self.path("scenario").write_text(text)
+        return self.scenario()
 
     def scenario(self) -> Scenario:
         """The scenario of this run."""

@@ -1,6 +1,6 @@
 """Scenarios: the movements of the paper, each a YAML file: what to plan and how to learn it."""
 
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -47,7 +47,7 @@ class Scenario:
     description: str
     movement: Movement  # what is planned
     tracking: Tracking  # what is learned
-    arm: str = "arm14"  # name of a shipped arm or folder of a user's own
+    arm: str = "arm14"  # name of a shipped arm, or folder of a user's own, from the scenario file's folder
     load_mass: NotNegative = 0.0  # kg, welded to the hand
     training: PpoSettings = field(default_factory=PpoSettings)
 
@@ -83,8 +83,7 @@ def load_scenario(scenario: str | Path) -> Scenario:
     """The scenario of a shipped name or a file. Raises ScenarioError, naming file and field, where it is not valid."""
     file = find_scenario(scenario)
     try:
-        fields = yaml.safe_load(file.read_text())
-        return TypeAdapter(Scenario).validate_python(fields)
+        loaded = TypeAdapter(Scenario).validate_python(yaml.safe_load(file.read_text()))
     except yaml.YAMLError as error:
         raise ScenarioError(f"{file} is not valid YAML: {error}") from error
     except ValidationError as error:
@@ -93,3 +92,5 @@ def load_scenario(scenario: str | Path) -> Scenario:
             for p in error.errors()
         )
         raise ScenarioError(f"{file}: {problems}.") from error
+    own = file.resolve().parent / loaded.arm
+    return replace(loaded, arm=str(own)) if (own / "muscles.yaml").is_file() else loaded

@@ -53,16 +53,19 @@ def train_step(
     scenario = run.scenario()
     settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
     envs = make_training_envs(_task(run, scenario), settings.environments, env)
-    reports: list[BatchReport] = []
+    start = time.perf_counter()
 
     def keep(report: BatchReport) -> None:
-        reports.append(report)
+        """Notes how far the training got, so that an interrupted one can be evaluated too."""
+        progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
+        finished = report.batch == report.batches
+        about = {"seed": seed, "env": env.value, "finished": finished, "settings": asdict(settings)}
+        run.write_json("training", about | progress)
         if on_batch:
             on_batch(report)
 
-    start = time.perf_counter()
     try:
-        policy = train(
+        return train(
             envs,
             settings,
             seed=seed,
@@ -73,18 +76,6 @@ def train_step(
         )
     finally:
         envs.close()
-    seconds = time.perf_counter() - start
-    run.write_json(
-        "training",
-        {
-            "seed": seed,
-            "steps": reports[-1].steps,
-            "seconds": seconds,
-            "env": env.value,
-            "settings": asdict(settings),
-        },
-    )
-    return policy
 
 
 def evaluate_step(run: RunFolder) -> dict[str, Any]:

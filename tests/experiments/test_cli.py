@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from typer.testing import CliRunner
 from drakearm import cli
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import scenario_files
+from drakearm.experiments.steps import plan_step, train_step
 from drakearm.learning import Policy
+from drakearm.model import load_arm
 from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
 
@@ -104,6 +107,36 @@ def test_training_on_diagrams_learns_the_same(finished, tiny, tmp_path):
     np.testing.assert_allclose(
         numbers(tmp_path)["tracking_error_mean"], numbers(finished[0])["tracking_error_mean"], atol=1e-3
     )
+
+
+def test_limb_of_a_users_own(tiny, tmp_path):
+    """A folder with another limb beside the scenario file: it is used, and kept with the run."""
+    limb = tmp_path / "lab" / "limb"
+    shutil.copytree(load_arm("arm14").skeleton.parent, limb)
+    muscles = yaml.safe_load((limb / "muscles.yaml").read_text())
+    muscles["muscles"] = muscles["muscles"][:9]
+    (limb / "muscles.yaml").write_text(yaml.safe_dump({**muscles, "name": "limb"}))
+    fields = yaml.safe_load(open(tiny).read())
+    scenario = tmp_path / "lab" / "mine.yaml"
+    scenario.write_text(yaml.safe_dump({**fields, "name": "mine", "arm": "limb"}))
+    drakearm("run", scenario, "--out", tmp_path / "run")
+    shutil.rmtree(tmp_path / "lab")
+    drakearm("evaluate", tmp_path / "run" / "scenario.yaml", "--out", tmp_path / "run", "--overwrite")
+    assert Recording.load(tmp_path / "run" / "recording.npz").activation.shape == (76, 9)
+
+
+def test_interrupted_training_leaves_a_policy_that_can_be_evaluated(tiny, tmp_path):
+    run = RunFolder(tmp_path)
+    plan_step(run, tiny)
+
+    def interrupt(report):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train_step(run, seed=0, on_batch=interrupt)
+    drakearm("evaluate", tiny, "--out", tmp_path)
+    assert numbers(tmp_path)["training_steps"] == 300
+    assert not json.loads((tmp_path / "training.json").read_text())["finished"]
 
 
 def test_nothing_is_overwritten_silently(finished, tiny):
