@@ -11,12 +11,15 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from drakearm.errors import DrakearmError
+from drakearm.experiments.arm_picture import check_picture_path, write_picture
+from drakearm.experiments.arm_table import muscle_table
 from drakearm.experiments.environments import EnvKind
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import load_scenario, scenario_files
 from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
 from drakearm.learning import BatchReport
 from drakearm.model import load_arm
+from drakearm.model.inspection import inspect_arm
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -55,6 +58,24 @@ def list_scenarios() -> None:
     for name in scenario_files():
         table.add_row(name, load_scenario(name).description)
     console.print(table)
+
+
+@app.command()
+def inspect(
+    arm: Annotated[str, typer.Argument(help="arm14, or the folder of an arm of your own.", metavar="ARM")],
+    out: Annotated[
+        Path | None, typer.Option("--out", help="The picture, a .png. [default: ARM.png]", show_default=False)
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an earlier picture.")] = False,
+) -> None:
+    """Look at an arm's muscles: a table of their numbers, and a picture of lengths, moment arms and curves."""
+    loaded = load_arm(arm)
+    file = out or Path(f"{loaded.name}.png")
+    check_picture_path(file, overwrite)
+    inspection = inspect_arm(loaded)
+    write_picture(inspection, file)
+    console.print(muscle_table(inspection))
+    console.print(f"open {file} for lengths, moment arms and curves")
 
 
 @app.command()

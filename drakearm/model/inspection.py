@@ -1,0 +1,217 @@
+"""The numbers that a biomechanist looks at first: lengths, moment arms, working ranges and curves of every muscle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+
+from drakearm.model.arm import Arm, Muscle
+from drakearm.model.musculature import muscle_geometry
+from drakearm.model.skeleton import add_skeleton
+from drakearm.muscle import curves
+from drakearm.muscle.contraction import equilibrium_fiber_length
+
+RESTING_ACTIVATION = 0.05  # at which the working ranges are taken
+_SAMPLES = 181  # of a range of angles or path lengths
+_CURVE_SAMPLES = 121
+_PRECISION = 1e-7  # m
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The closed interval [lower, upper]."""
+
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A muscle over the range of one joint that it crosses. Arrays (k,), one value for each angle in q.
+
+    shortest and longest: over all angles of the other joints. The path function was fitted over `fitted`; outside it
+    continues along its tangents.
+    """
+
+    coordinate: str
+    q: np.ndarray  # rad
+    length: np.ndarray  # m, musculotendon length with the other joints at the arm's neutral angles
+    shortest: np.ndarray  # m
+    longest: np.ndarray  # m
+    moment_arm: np.ndarray  # m, positive where the muscle pulls the angle up
+    fitted: Interval  # rad
+
+    @property
+    def moment_arm_range(self) -> Interval:
+        return _interval(self.moment_arm)
+
+
+@dataclass(frozen=True)
+class WorkingRange:
+    """Where a resting muscle is in equilibrium over all joint angles, at an activation of RESTING_ACTIVATION.
+
+    fiber_length and tendon_strain are None where the muscle has no equilibrium at all. shortest_path: musculotendon
+    length (m) below which there is no equilibrium, for even the shortest fiber leaves the tendon slack. slack: the
+    angles (rad) of each coordinate at which this can happen; empty where there is an equilibrium everywhere.
+    """
+
+    fiber_length: Interval | None  # over optimal_fiber_length
+    tendon_strain: Interval | None
+    shortest_path: float
+    slack: dict[str, Interval]
+
+
+@dataclass(frozen=True)
+class Curves:
+    """A muscle's curves, arrays (k,): forces over max_isometric_force, fiber lengths over optimal_fiber_length."""
+
+    fiber_length: np.ndarray
+    active: np.ndarray  # isometric, at full activation
+    passive: np.ndarray
+    velocity: np.ndarray  # optimal fiber lengths per second, shortening is negative
+    force: np.ndarray  # over isometric force, at full activation
+    resting_force: np.ndarray  # the same at RESTING_ACTIVATION
+    strain: np.ndarray  # of the tendon
+    tendon: np.ndarray
+
+
+@dataclass(frozen=True)
+class MuscleInspection:
+    muscle: Muscle
+    crossings: tuple[Crossing, ...]  # in the order of the arm's coordinates
+    working: WorkingRange
+    curves: Curves
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """All muscles of an arm. neutral: angles (rad) at which joints stay while another one moves."""
+
+    arm: Arm
+    ranges: dict[str, Interval]  # rad, of the joints
+    neutral: dict[str, float]
+    muscles: tuple[MuscleInspection, ...]
+
+
+def inspect_arm(arm: Arm) -> Inspection:
+    """Looks at every muscle over the joint ranges of the skeleton.
+
+    A joint without limits counts as one full turn. Joints are neutral at 0, or at the limit nearest to it. Raises
+    ArmError where skeleton and muscles do not fit.
+    """
+    ranges = joint_ranges(arm)
+    neutral = {name: min(max(0.0, r.lower), r.upper) for name, r in ranges.items()}
+    crossings = _crossings(arm, ranges, np.array(list(neutral.values())))
+    muscles = tuple(
+        MuscleInspection(muscle, crossed, _working_range(m, crossed), _curves(m))
+        for muscle, m, crossed in zip(arm.muscles, arm.muscle_table, crossings, strict=True)
+    )
+    return Inspection(arm, ranges, neutral, muscles)
+
+
+def joint_ranges(arm: Arm) -> dict[str, Interval]:
+    """The range (rad) of every coordinate, from the skeleton; [-pi, pi] where it has no limits."""
+    plant = MultibodyPlant(time_step=0.0)
+    add_skeleton(plant, arm)
+    plant.Finalize()
+    lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
+    lower = np.where(np.isfinite(lower), lower, -np.pi)
+    upper = np.where(np.isfinite(upper), upper, np.pi)
+    return {name: Interval(*limits) for name, *limits in zip(arm.coordinates, lower, upper, strict=True)}
+
+
+def _crossings(arm: Arm, ranges: dict[str, Interval], neutral: np.ndarray) -> list[tuple[Crossing, ...]]:
+    """What every muscle crosses.
+
+    A musculotendon length is a sum of one function per coordinate, so sweeping the joints one by one is enough to know
+    it everywhere.
+    """
+    q = np.array([np.linspace(r.lower, r.upper, _SAMPLES) for r in ranges.values()])
+    length = np.empty((len(arm.muscles), *q.shape))
+    moment_arm = np.empty_like(length)
+    for j, k in np.ndindex(q.shape):
+        moved = neutral.copy()
+        moved[j] = q[j, k]
+        length[:, j, k], arms = muscle_geometry(moved, arm.muscle_table, arm.path_table)
+        moment_arm[:, j, k] = arms[:, j]
+    at_neutral, _ = muscle_geometry(neutral, arm.muscle_table, arm.path_table)
+    change = length - at_neutral[:, None, None]
+    least, most = change.min(axis=2), change.max(axis=2)
+    shortest = length + (least.sum(axis=1, keepdims=True) - least)[:, :, None]
+    longest = length + (most.sum(axis=1, keepdims=True) - most)[:, :, None]
+
+    crossings = []
+    for i, muscle in enumerate(arm.muscles):
+        splines = {term.coordinate: term.spline for term in muscle.path}
+        crossings.append(
+            tuple(
+                Crossing(
+                    coordinate=name,
+                    q=q[j],
+                    length=length[i, j],
+                    shortest=shortest[i, j],
+                    longest=longest[i, j],
+                    moment_arm=moment_arm[i, j],
+                    fitted=Interval(splines[name].t[splines[name].k], splines[name].t[-splines[name].k - 1]),
+                )
+                for j, name in enumerate(arm.coordinates)
+                if name in splines
+            )
+        )
+    return crossings
+
+
+def _working_range(m: np.void, crossings: tuple[Crossing, ...]) -> WorkingRange:
+    """m: the muscle's record. Equilibrium depends on the joints only through the musculotendon length."""
+    path = _interval(np.array([crossings[0].shortest, crossings[0].longest]))
+    shortest = _shortest_path(m, path)
+    slack = {c.coordinate: _interval(c.q[c.shortest < shortest]) for c in crossings if np.any(c.shortest < shortest)}
+    if not path.lower <= shortest <= path.upper:
+        return WorkingRange(None, None, shortest, slack)
+    lengths = np.linspace(shortest, path.upper, _SAMPLES)
+    fiber = np.array([equilibrium_fiber_length(RESTING_ACTIVATION, length, m) for length in lengths])
+    along = np.sqrt(fiber**2 - m["fiber_width"] ** 2)
+    return WorkingRange(
+        fiber_length=_interval(fiber / m["optimal_fiber_length"]),
+        tendon_strain=_interval((lengths - along) / m["tendon_slack_length"] - 1.0),
+        shortest_path=shortest,
+        slack=slack,
+    )
+
+
+def _shortest_path(m: np.void, path: Interval) -> float:
+    """The smallest musculotendon length in `path` with an equilibrium, by bisection; infinite where there is none."""
+
+    def exists(length: float) -> bool:
+        return not np.isnan(equilibrium_fiber_length(RESTING_ACTIVATION, length, m))
+
+    if exists(path.lower):
+        return path.lower
+    if not exists(path.upper):
+        return np.inf
+    slack, taut = path.lower, path.upper
+    while taut - slack > _PRECISION:
+        middle = 0.5 * (slack + taut)
+        slack, taut = (slack, middle) if exists(middle) else (middle, taut)
+    return taut
+
+
+def _curves(m: np.void) -> Curves:
+    fiber_length = np.linspace(0.0, 1.8, _CURVE_SAMPLES)
+    velocity = np.linspace(-1.0, 1.0, _CURVE_SAMPLES)
+    strain = np.linspace(0.0, 1.25 * m["tendon_strain"], _CURVE_SAMPLES)
+    slowing = curves.velocity_scale(RESTING_ACTIVATION, m)[0]
+    return Curves(
+        fiber_length=fiber_length,
+        active=np.array([curves.active_force_length(x, m)[0] for x in fiber_length]),
+        passive=np.array([curves.passive_force_length(x, m)[0] for x in fiber_length]),
+        velocity=velocity * m["max_contraction_velocity"],
+        force=np.array([curves.force_of_velocity(x, m)[0] for x in velocity]),
+        resting_force=np.array([curves.force_of_velocity(x / slowing, m)[0] for x in velocity]),
+        strain=strain,
+        tendon=np.array([curves.tendon_force_strain(x, m)[0] for x in strain]),
+    )
+
+
+def _interval(values: np.ndarray) -> Interval:
+    return Interval(float(values.min()), float(values.max()))
