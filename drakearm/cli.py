@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
-from drakearm.errors import DrakearmError
+from drakearm.errors import DrakearmError, RunFolderError
 from drakearm.experiments.arm_picture import check_picture_path, write_picture
 from drakearm.experiments.arm_table import muscle_table
 from drakearm.experiments.environments import EnvKind
@@ -99,8 +99,7 @@ def train(
 
     Needs the plan in the run's folder. A training that is interrupted leaves its latest checkpoint as the policy.
     """
-    run = _run_folder(scenario, out)
-    run.existing("reference", f"plan {scenario}")
+    run = _begun_run(scenario, out)
     run.claim(("policy", "training", "training_log"), overwrite)
     _train(run, seed, batches, env)
 
@@ -108,7 +107,7 @@ def train(
 @app.command()
 def evaluate(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False) -> None:
     """Run the policy in closed loop, once without and 10 times with noise; writes metrics.json and recording.npz."""
-    run = _run_folder(scenario, out)
+    run = _begun_run(scenario, out)
     run.existing("policy", f"train {scenario}")
     run.claim(("metrics", "recording"), overwrite)
     metrics = evaluate_step(run)
@@ -118,7 +117,7 @@ def evaluate(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite =
 @app.command()
 def replay(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False) -> None:
     """Write the movement as one HTML file that any browser opens; writes replay.html."""
-    run = _run_folder(scenario, out)
+    run = _begun_run(scenario, out)
     run.existing("recording", f"evaluate {scenario}")
     run.claim(("replay",), overwrite)
     console.print(f"open {replay_step(run)} in a browser")
@@ -145,6 +144,16 @@ def run_all(
 
 def _run_folder(scenario: str, out: Path | None) -> RunFolder:
     return RunFolder(out or Path("runs") / load_scenario(scenario).name)
+
+
+def _begun_run(scenario: str, out: Path | None) -> RunFolder:
+    """The folder of a run that has a plan. Raises RunFolderError where it has none, or one of another scenario."""
+    run = _run_folder(scenario, out)
+    run.existing("reference", f"plan {scenario}")
+    wanted, found = load_scenario(scenario).name, run.scenario().name
+    if wanted != found:
+        raise RunFolderError(f"{run.folder} holds a run of {found}: expected {wanted}.")
+    return run
 
 
 def _plan(run: RunFolder, scenario: str) -> None:

@@ -156,8 +156,15 @@ def test_overwrite_replaces(finished, tiny):
 
 def test_missing_step_is_named(tiny, tmp_path):
     assert "drakearm plan" in drakearm("train", tiny, "--out", tmp_path, code=1)
+    drakearm("plan", tiny, "--out", tmp_path)
     assert "drakearm train" in drakearm("evaluate", tiny, "--out", tmp_path, code=1)
     assert "drakearm evaluate" in drakearm("replay", tiny, "--out", tmp_path, code=1)
+
+
+def test_folder_of_another_scenario_is_refused(finished):
+    out, _ = finished
+    for step in ("train", "evaluate", "replay"):
+        assert "holds a run of tiny" in drakearm(step, "timing-0.7s", "--out", out, "--overwrite", code=1)
 
 
 def test_unknown_scenario_lists_the_known_ones():
