@@ -1,14 +1,17 @@
 """The LeafSystems of drakearm, one a file."""
 
+from drakearm.systems.compiled_skeleton import CompiledSkeleton
 from drakearm.systems.hill_muscles import HillMuscles, HillMuscles_
 from drakearm.systems.joint_stops import JointStops
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.policy_controller import PolicyController
 from drakearm.systems.proprioception import OBSERVATIONS, Proprioception
+from drakearm.systems.static_optimizer import StaticOptimizer
 from drakearm.systems.tracking_reward import RewardWeights, TrackingReward
 
 __all__ = [
     "OBSERVATIONS",
+    "CompiledSkeleton",
     "HillMuscles",
     "HillMuscles_",
     "JointStops",
@@ -16,5 +19,6 @@ __all__ = [
     "PolicyController",
     "Proprioception",
     "RewardWeights",
+    "StaticOptimizer",
     "TrackingReward",
 ]

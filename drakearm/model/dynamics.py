@@ -124,11 +124,11 @@ def forward_dynamics(q, v, tau, dynamics):
                 force[i] += slope * v[row] * v[column]
             else:
                 force[i] += 0.5 * slope * v[row] * v[column]
-    return _solve(mass, force)
+    return solve(mass, force)
 
 
 @compiled
-def _solve(mass, force):
+def solve(mass, force):
     """Solves mass * a = force for a positive definite mass matrix, which it overwrites, as it does force."""
     n = len(force)
     for i in range(n):

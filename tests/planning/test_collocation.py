@@ -71,18 +71,21 @@ def test_timing_holds_the_upper_arm_and_bends_the_elbow_in_one_bell(timing):
     assert np.all(np.diff(speed[: peak + 1]) > 0) and np.all(np.diff(speed[peak:]) < 0)
 
 
-def test_torques_hold_on_the_plant(timing):
+@pytest.mark.parametrize(("movement", "load_mass"), [(TIMING, 0.0), (SHORT, 0.0), (TIMING, 5.0)])
+def test_torques_hold_on_the_plant(movement, load_mass):
+    """Planned on equations derived from the plant, judged by the plant itself."""
+    found = plan(ARM, movement, load_mass)
     builder = DiagramBuilder()
-    plant = builder.AddSystem(MakeTorqueArm(ARM, torque_limit=np.array(TIMING.torque_limit)))
-    torque = PiecewisePolynomial.FirstOrderHold(timing.t, timing.tau.T)
+    plant = builder.AddSystem(MakeTorqueArm(ARM, load_mass, torque_limit=np.array(movement.torque_limit)))
+    torque = PiecewisePolynomial.FirstOrderHold(found.t, found.tau.T)
     source = builder.AddSystem(TrajectorySource(torque))
     builder.Connect(source.get_output_port(), plant.get_actuation_input_port())
     simulator = Simulator(builder.Build())
     ResetIntegratorFromFlags(simulator, "runge_kutta3", 0.01).set_target_accuracy(1e-8)
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
-    plant.SetPositions(context, TIMING.start)
-    simulator.AdvanceTo(TIMING.duration)
-    np.testing.assert_allclose(plant.GetPositions(context), TIMING.target, atol=0.01)
+    plant.SetPositions(context, movement.start)
+    simulator.AdvanceTo(movement.duration)
+    np.testing.assert_allclose(plant.GetPositions(context), movement.target, atol=0.01)
     np.testing.assert_allclose(plant.GetVelocities(context), 0.0, atol=0.1)
 
 

@@ -1,0 +1,88 @@
+"""StaticOptimizer: drives the muscles along a reference without learning."""
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import MultibodyForces
+from pydrake.systems.framework import Context, LeafSystem, State
+
+from drakearm.model import Arm
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.skeleton import add_skeleton
+from drakearm.model.static_optimization import excitations_to_reach, static_activations
+
+STIFFNESS = 400.0  # 1/s^2
+DAMPING = 40.0  # 1/s
+
+
+class StaticOptimizer(LeafSystem):
+    """Decides excitations by static optimization at every control step and holds them in between.
+
+    .. pydrake_system::
+
+        name: StaticOptimizer
+        input_ports:
+        - arm_state
+        - activation
+        - reference
+        output_ports:
+        - excitation
+
+    ========== ===== ==================== ====================================================
+    port       size  unit                 meaning
+    ========== ===== ==================== ====================================================
+    arm_state  2 n_q rad, rad/s           q and v
+    activation n     0..1                 of the muscles
+    reference  3 n_q rad, rad/s, rad/s^2  wanted q, v and a
+    excitation n     0..1                 held for one control step; 0 before the first
+    ========== ===== ==================== ====================================================
+
+    Wanted acceleration: a_ref + stiffness (q_ref - q) + damping (v_ref - v), 1/s^2 and 1/s. The inverse dynamics of a
+    plant of its own, with load_mass (kg) in the hand, turn it into torques, `static_activations` turns those into
+    activations, and the excitation is the one that brings each activation there within a control step: computed muscle
+    control (Thelen, Anderson and Delp 2003) without its forecast of the joints. Forces lag behind activations while
+    tendons stretch, which it does not know: four times the default stiffness already makes the arm tremble.
+
+    The decision is an unrestricted update, which Drake handles before discrete updates of the same instant: discrete
+    muscles feel a new excitation in the very step in which it was decided.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        load_mass: float = 0.0,
+        stiffness: float = STIFFNESS,
+        damping: float = DAMPING,
+        control_step: float = CONTROL_STEP,
+    ):
+        super().__init__()
+        self._muscles, self._paths = arm.muscle_table, arm.path_table
+        self._gains = (stiffness, damping)
+        self._control_step = control_step
+        self._plant = MultibodyPlant(time_step=0.0)
+        add_skeleton(self._plant, arm, load_mass)
+        self._plant.Finalize()
+        self._plant_context = self._plant.CreateDefaultContext()
+        n, n_q = len(arm.muscles), len(arm.coordinates)
+        self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)
+        self._activation = self.DeclareVectorInputPort("activation", n)
+        self._reference = self.DeclareVectorInputPort("reference", 3 * n_q)
+        self.DeclareStateOutputPort("excitation", self.DeclareDiscreteState(n))
+        self.DeclarePeriodicUnrestrictedUpdateEvent(control_step, 0.0, self._decide)
+
+    def _decide(self, context: Context, state: State) -> None:
+        q, v = np.split(self._arm_state.Eval(context), 2)
+        reference_q, reference_v, reference_a = np.split(self._reference.Eval(context), 3)
+        stiffness, damping = self._gains
+        tau = self._torque(q, v, reference_a + stiffness * (reference_q - q) + damping * (reference_v - v))
+        activation = self._activation.Eval(context)
+        wanted, _ = static_activations(q, v, tau, activation, self._muscles, self._paths)
+        excitation = excitations_to_reach(wanted, activation, self._control_step, self._muscles)
+        state.get_mutable_discrete_state().set_value(excitation)
+
+    def _torque(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        """Joint torques (n_q,), Nm, that accelerate the arm by a (n_q,), rad/s^2, at q and v."""
+        plant, context = self._plant, self._plant_context
+        plant.SetPositionsAndVelocities(context, np.concatenate([q, v]))
+        forces = MultibodyForces(plant)
+        plant.CalcForceElementsContribution(context, forces)
+        return plant.CalcInverseDynamics(context, a, forces)
