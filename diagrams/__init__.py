@@ -2,6 +2,7 @@
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm
 from drakearm.diagrams.policy_loop import MakePolicyLoop, PolicyLoop
+from drakearm.diagrams.static_loop import MakeStaticLoop
 from drakearm.diagrams.torque_arm import MakeTorqueArm
 from drakearm.diagrams.tracking_task import (
     AddTrackingTask,
@@ -15,6 +16,7 @@ __all__ = [
     "AddTrackingTask",
     "MakePolicyLoop",
     "MakeSimulator",
+    "MakeStaticLoop",
     "MakeTorqueArm",
     "MakeTrackingTask",
     "MuscleArm",

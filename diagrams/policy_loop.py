@@ -1,10 +1,10 @@
-"""The closed loop: a policy that drives the arm along a reference, recorded and drawn."""
+"""The closed loop: a policy, or another controller, that drives the arm along a reference, recorded and drawn."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from drakearm.diagrams.muscle_arm import MakeSimulator
@@ -50,22 +50,38 @@ def MakePolicyLoop(task: TrackingTask, policy: Policy, meshcat: Meshcat | None =
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph()) if meshcat else None
     systems = AddTrackingTask(builder, task, scene_graph)
-    muscles, observation = systems.arm.muscles, systems.proprioception.get_output_port()
+    observation = systems.proprioception.get_output_port()
     controller = builder.AddNamedSystem(
         "policy", PolicyController(policy, observation.size(), len(task.arm.muscles), CONTROL_STEP)
     )
     builder.Connect(observation, controller.GetInputPort("observation"))
-    builder.Connect(controller.GetOutputPort("excitation"), muscles.GetInputPort("excitation"))
+    return close_loop(builder, "policy_loop", systems, controller, scene_graph, meshcat)
+
+
+def close_loop(
+    builder: DiagramBuilder,
+    name: str,
+    systems: TaskSystems,
+    controller: LeafSystem,
+    scene_graph: SceneGraph | None,
+    meshcat: Meshcat | None,
+) -> PolicyLoop:
+    """Lets a controller's output `excitation` drive the muscles, logs and draws, and builds the Diagram of that name.
+
+    scene_graph and meshcat: both or none. The controller's inputs are connected already.
+    """
+    muscles, excitation = systems.arm.muscles, controller.GetOutputPort("excitation")
+    builder.Connect(excitation, muscles.GetInputPort("excitation"))
     ports = {
         "arm_state": systems.arm.plant.get_state_output_port(),
         "reward": systems.reward.GetOutputPort("reward"),
-        "excitation": controller.GetOutputPort("excitation"),
+        "excitation": excitation,
     } | {name: muscles.GetOutputPort(name) for name in ("activation", "fiber_length", "fiber_velocity", "tendon_force")}
     logs = {name: LogVectorOutput(port, builder, CONTROL_STEP) for name, port in ports.items()}
     if meshcat:
         MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
         MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
-        meshcat.SetTransform("/drake", upright(task.arm))
+        meshcat.SetTransform("/drake", upright(systems.task.arm))
     diagram = builder.Build()
-    diagram.set_name("policy_loop")
+    diagram.set_name(name)
     return PolicyLoop(diagram, systems, logs)

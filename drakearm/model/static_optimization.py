@@ -1,0 +1,149 @@
+"""Static optimization: the smallest activations with which muscles exert given joint torques (Anderson and Pandy 2001).
+
+`muscles` is `Arm.muscle_table` and `paths` is `Arm.path_table`; n muscles, n_q coordinates.
+"""
+
+import math
+
+import numpy as np
+
+from drakearm.model.dynamics import solve
+from drakearm.model.musculature import mtu_velocity, muscle_geometry
+from drakearm.muscle.compiled import compiled
+from drakearm.muscle.contraction import (
+    ITERATIONS,
+    TOLERANCE,
+    fiber_velocity,
+    rigid_tendon_force,
+    shortest_fiber,
+    tendon_force,
+)
+
+RESERVE_WEIGHT = 1e4  # 1/(Nm)^2, of squared reserve torques against squared activations
+_ROUNDS = 20  # of linearizing the muscles
+_SETTLED = 1e-5  # change of the activations in the last round
+_DUAL_STEPS = 50
+_DUAL_TOLERANCE = 1e-7  # Nm
+
+
+@compiled
+def steady_force(activation, mtu_length, mtu_speed, m):
+    """Tendon force (N) of a muscle whose tendon keeps its present strain, and its slope by activation.
+
+    The fiber then moves as its path does, and its length is that at which it carries what the tendon pulls. At rest
+    this is the equilibrium; in movement it neglects only the rate at which the tendon stretches. A rigid tendon would
+    be linear but for `velocity_scale`, but misjudges what a posture can hold: tendons of up to ten fiber lengths
+    stretch by as much as a third of one.
+    """
+    if m.rigid_tendon:
+        force, by_activation, _, _ = rigid_tendon_force(activation, mtu_length, mtu_speed, m)
+        return force, by_activation
+    low = shortest_fiber(m)
+    slack = math.sqrt(max(mtu_length - m.tendon_slack_length, 0.0) ** 2 + m.fiber_width**2)
+    high = max(slack, low) * (1.0 + 1e-9)
+    x = 0.5 * (low + high)
+    by_activation = slope = 0.0
+    for _ in range(ITERATIONS):
+        cosine = math.sqrt(1.0 - (m.fiber_width / x) ** 2)
+        velocity, by_activation, by_length, _ = fiber_velocity(activation, x, mtu_length, m)
+        residual = velocity - mtu_speed * cosine
+        slope = by_length - mtu_speed * m.fiber_width**2 / (x**3 * cosine)
+        if residual > 0.0:
+            low = x
+        else:
+            high = x
+        move = -residual / slope if slope < 0.0 else math.inf
+        if not (low <= x + move <= high):
+            move = 0.5 * (low + high) - x
+        x += move
+        if abs(move) < TOLERANCE * m.optimal_fiber_length:
+            break
+    force, by_length, _ = tendon_force(x, mtu_length, m)
+    if force > 0.0 and slope < 0.0:
+        return force, -by_length * by_activation / slope
+    return force, 0.0
+
+
+@compiled
+def _smallest_controls(gain, wanted, lower):
+    """The x (n,) in [lower, 1] with least |x|^2 + RESERVE_WEIGHT |wanted - x gain|^2; gain (n, n_q), wanted (n_q,).
+
+    Newton's method on the dual problem, in which only n_q numbers p are unknown: x = clip(gain p, lower, 1), and p is
+    RESERVE_WEIGHT times the reserve. The dual cost is convex with a piecewise linear gradient, so steps that are halved
+    until they do not overshoot converge from anywhere.
+    """
+    n, n_q = gain.shape
+    p = np.zeros(n_q)
+    x, gradient = _dual_gradient(p, gain, wanted, lower)
+    for _ in range(_DUAL_STEPS):
+        if np.abs(gradient).max() < _DUAL_TOLERANCE:
+            break
+        hessian = np.eye(n_q) / RESERVE_WEIGHT
+        for i in range(n):
+            if lower[i] < x[i] < 1.0:
+                for j in range(n_q):
+                    for k in range(n_q):
+                        hessian[j, k] += gain[i, j] * gain[i, k]
+        move = solve(hessian, -gradient)
+        decline = -(gradient @ move)
+        x, gradient = _dual_gradient(p + move, gain, wanted, lower)
+        while gradient @ move > 0.1 * decline:
+            move *= 0.5
+            decline *= 0.5
+            x, gradient = _dual_gradient(p + move, gain, wanted, lower)
+        p = p + move
+    return x
+
+
+@compiled
+def _dual_gradient(p, gain, wanted, lower):
+    """The x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost."""
+    x = np.minimum(np.maximum(gain @ p, lower), 1.0)
+    return x, x @ gain + p / RESERVE_WEIGHT - wanted
+
+
+@compiled
+def static_activations(q, v, tau, guess, muscles, paths):
+    """Activations (n,), least in the sum of squares, that exert tau (n_q,) Nm, and the reserve torque (n_q,) they miss.
+
+    q, v: joint angles and speeds (n_q,). guess: activations (n,) to start from. Activations stay in
+    [minimum_activation, 1]; where those exert no such torque, the reserve is as small as can be. Muscle forces are not
+    linear in the activation, which scales velocities and stretches the tendon, so they are linearized around the
+    present activations until these settle: a few small quadratic programs.
+    """
+    n, n_q = len(muscles), len(q)
+    length, moment_arm = muscle_geometry(q, muscles, paths)
+    lower = np.empty(n)
+    for i in range(n):
+        lower[i] = muscles[i].minimum_activation
+    a = np.minimum(np.maximum(guess, lower), 1.0)
+    gain = np.empty((n, n_q))
+    reserve = np.empty(n_q)
+    for _ in range(_ROUNDS):
+        reserve[:] = tau
+        for i in range(n):
+            force, slope = steady_force(a[i], length[i], mtu_velocity(i, moment_arm, v), muscles[i])
+            for j in range(n_q):
+                reserve[j] -= moment_arm[i, j] * force
+                gain[i, j] = moment_arm[i, j] * slope
+        move = _smallest_controls(gain, reserve + a @ gain, lower) - a
+        if np.abs(move).max() < _SETTLED:
+            break
+        a += move
+    return a, reserve
+
+
+@compiled
+def excitations_to_reach(wanted, activation, time_step, muscles):
+    """Excitations (n,) that, held for time_step (s), take activations (n,) to the wanted ones, or as near as they can.
+
+    The time constant of each muscle (see `activation_rate`) is that of its present activation.
+    """
+    excitation = np.empty(len(muscles))
+    for i in range(len(muscles)):
+        m = muscles[i]
+        speed = 0.5 + 1.5 * activation[i]
+        rate = 1.0 / (m.activation_time * speed) if wanted[i] > activation[i] else speed / m.deactivation_time
+        reached = -math.expm1(-rate * time_step)  # share of the way that the activation goes
+        excitation[i] = min(max(activation[i] + (wanted[i] - activation[i]) / reached, 0.0), 1.0)
+    return excitation

@@ -1,0 +1,109 @@
+"""Static optimization: it exerts what is asked, with the least activations, and knows where strength ends."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from drakearm.diagrams import MakeTorqueArm
+from drakearm.model.musculature import equilibrium_fiber_lengths, mtu_velocity, muscle_geometry, tendon_forces
+from drakearm.model.static_optimization import excitations_to_reach, static_activations, steady_force
+from drakearm.muscle.activation import activation_step
+from drakearm.planning.guess import gravity_torque
+
+POSTURES = np.deg2rad([[0, 0], [0, 90], [-30, 90], [-20, 80], [20, 20], [-40, 120]])
+
+
+def optimize(arm, q, v, tau):
+    guess = arm.muscle_table["minimum_activation"].copy()
+    return static_activations(np.asarray(q), np.asarray(v), np.asarray(tau), guess, arm.muscle_table, arm.path_table)
+
+
+def exerted(arm, a, q, v):
+    """Torque (n_q,) of steady muscles."""
+    length, moment_arm = muscle_geometry(q, arm.muscle_table, arm.path_table)
+    muscles = enumerate(arm.muscle_table.view(np.recarray))
+    force = [steady_force(a[i], length[i], mtu_velocity(i, moment_arm, v), m)[0] for i, m in muscles]
+    return moment_arm.T @ force
+
+
+@pytest.fixture(params=[("thelen2003", "compliant"), ("thelen2003", "rigid"), ("degroote2016", "compliant")])
+def any_arm(request, arm):
+    model, tendon = request.param
+    return replace(arm, muscles=tuple(replace(m, model=model, tendon=tendon) for m in arm.muscles))
+
+
+@pytest.mark.parametrize("q", POSTURES)
+def test_activations_hold_a_posture_with_muscles_in_equilibrium(arm, q):
+    tau = gravity_torque(MakeTorqueArm(arm), q)
+    a, reserve = optimize(arm, q, np.zeros(2), tau)
+    fibers = np.concatenate([a, equilibrium_fiber_lengths(arm, q, a)])
+    _, actual = tendon_forces(fibers, np.concatenate([q, np.zeros(2)]), arm.muscle_table, arm.path_table)
+    np.testing.assert_allclose(reserve, 0.0, atol=1e-3)
+    np.testing.assert_allclose(actual, tau, atol=1e-3)
+
+
+def test_reserve_is_what_the_activations_leave(any_arm):
+    rng = np.random.default_rng(0)
+    for _ in range(30):
+        q, v, tau = rng.uniform([-0.9, 0.1], [0.5, 2.0]), rng.normal(size=2), 20.0 * rng.normal(size=2)
+        a, reserve = optimize(any_arm, q, v, tau)
+        np.testing.assert_allclose(exerted(any_arm, a, q, v) + reserve, tau, atol=1e-6)
+        assert np.all((a >= any_arm.muscle_table["minimum_activation"]) & (a <= 1.0))
+
+
+@pytest.mark.parametrize("q", POSTURES[1:4])
+def test_no_smaller_activations_exert_the_torque(arm, q):
+    v, tau = np.array([0.5, 2.0]), gravity_torque(MakeTorqueArm(arm, 1.0), q)
+    a, reserve = optimize(arm, q, v, tau)
+    np.testing.assert_allclose(reserve, 0.0, atol=1e-3)
+    best = minimize(
+        lambda x: x @ x,
+        np.full(14, 0.3),
+        jac=lambda x: 2.0 * x,
+        bounds=[(m.minimum_activation, 1.0) for m in arm.muscles],
+        constraints={"type": "eq", "fun": lambda x: exerted(arm, x, q, v) - tau},
+        method="SLSQP",
+        options={"ftol": 1e-10, "maxiter": 300},
+    )
+    assert best.success
+    assert a @ a <= best.fun + 1e-4
+
+
+def test_force_slope_is_the_derivative_by_activation(any_arm):
+    rng, h = np.random.default_rng(1), 1e-5
+    for _ in range(20):
+        length, moment_arm = muscle_geometry(
+            rng.uniform([-0.9, 0.1], [0.5, 2.0]), any_arm.muscle_table, any_arm.path_table
+        )
+        v, a = rng.normal(size=2), rng.uniform(0.02, 0.98)
+        for i, m in enumerate(any_arm.muscle_table.view(np.recarray)):
+            speed = mtu_velocity(i, moment_arm, v)
+            above, below = (steady_force(a + d, length[i], speed, m)[0] for d in (h, -h))
+            slope = steady_force(a, length[i], speed, m)[1]
+            np.testing.assert_allclose((above - below) / (2 * h), slope, rtol=1e-3, atol=1e-3 * m.max_isometric_force)
+
+
+# OpenSim's wrapped paths have other moment arms than the smooth ones, by up to 1.4 mm: hence the tolerance.
+@pytest.mark.parametrize("shoulder, elbow", [(0, 90), (-30, 90), (-20, 80), (0, 0), (-45, 60), (20, 0), (0, 60)])
+def test_largest_held_mass_is_that_of_opensim(arm, oracle, shoulder, elbow):
+    strength = oracle("static_strength.npz")
+    at = np.flatnonzero(strength["shoulder_deg"] == shoulder)[0], np.flatnonzero(strength["elbow_deg"] == elbow)[0]
+    q, expected = np.deg2rad([shoulder, elbow]), strength["compliant_max_mass"][at]
+    empty = gravity_torque(MakeTorqueArm(arm), q)
+    per_kilogram = gravity_torque(MakeTorqueArm(arm, 1.0), q) - empty
+    for mass, held in ((0.95 * expected, True), (1.05 * expected, False)):
+        _, reserve = optimize(arm, q, np.zeros(2), empty + mass * per_kilogram)
+        assert (np.abs(reserve).max() < 0.01) == held
+
+
+def test_excitation_brings_the_activation_there_in_one_step(arm):
+    muscles = arm.muscle_table.view(np.recarray)
+    activation, wanted = np.full(14, 0.3), np.linspace(0.25, 0.4, 14)
+    excitation = excitations_to_reach(wanted, activation, 0.01, arm.muscle_table)
+    for _ in range(10):
+        activation = np.array(
+            [activation_step(a, u, 0.001, m) for a, u, m in zip(activation, excitation, muscles, strict=True)]
+        )
+    np.testing.assert_allclose(activation, wanted, atol=0.015)

@@ -1,0 +1,43 @@
+"""StaticOptimizer: the excitations that it decides for known inputs."""
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+
+from drakearm.diagrams import MakeTorqueArm
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.static_optimization import static_activations
+from drakearm.planning.guess import inverse_dynamics
+from drakearm.systems import StaticOptimizer
+
+POSTURE, STILL = np.deg2rad([-20.0, 80.0]), np.zeros(2)
+
+
+def decide(optimizer, q, v, activation, reference):
+    simulator = Simulator(optimizer)
+    context = simulator.get_mutable_context()
+    inputs = {"arm_state": np.concatenate([q, v]), "activation": activation, "reference": np.concatenate(reference)}
+    for name, value in inputs.items():
+        optimizer.GetInputPort(name).FixValue(context, value)
+    simulator.AdvanceTo(0.5 * CONTROL_STEP)
+    return optimizer.GetOutputPort("excitation").Eval(context)
+
+
+def activations(arm, q, a, load_mass=0.0):
+    """What accelerates the resting arm by a."""
+    (tau,) = inverse_dynamics(MakeTorqueArm(arm, load_mass), q[None], STILL[None], a[None])
+    wanted, _ = static_activations(q, STILL, tau, np.full(14, 0.1), arm.muscle_table, arm.path_table)
+    return wanted
+
+
+def test_keeps_activations_that_hold_the_arm_and_its_load(arm):
+    wanted = activations(arm, POSTURE, STILL, load_mass=3.0)
+    excitation = decide(StaticOptimizer(arm, load_mass=3.0), POSTURE, STILL, wanted, (POSTURE, STILL, STILL))
+    np.testing.assert_allclose(excitation, wanted, atol=1e-3)
+
+
+def test_feedback_adds_to_the_wanted_acceleration(arm):
+    away, drift, a = np.array([0.02, -0.01]), np.array([0.1, 0.2]), np.array([1.0, -2.0])
+    wanted = activations(arm, POSTURE, a + 100.0 * away + 10.0 * drift)
+    optimizer = StaticOptimizer(arm, stiffness=100.0, damping=10.0)
+    excitation = decide(optimizer, POSTURE, STILL, wanted, (POSTURE + away, drift, a))
+    np.testing.assert_allclose(excitation, wanted, atol=1e-3)
