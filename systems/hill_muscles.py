@@ -132,6 +132,13 @@ def HillMuscles_(T):
             else:
                 context.SetContinuousState(state[: 2 * self._n])
 
+        def GetStateNames(self) -> list[str]:
+            """What each element of the state vector is, like "BRA_fiber_length"; see MultibodyPlant.GetStateNames."""
+            kinds = ["activation", "fiber_length"]
+            if self.time_step > 0.0:
+                kinds += ["previous_fiber_length", "fiber_velocity"]
+            return [f"{name}_{kind}" for kind in kinds for name in self.arm.muscle_names]
+
         def _state(self, context):
             if self.time_step > 0.0:
                 return context.get_discrete_state(0).value()

@@ -24,6 +24,18 @@ def test_ports_have_names_and_sizes(arm, time_step):
 
 
 @pytest.mark.parametrize("time_step", [0.0, 1e-3])
+def test_states_have_names(arm, time_step):
+    muscles = HillMuscles(arm, time_step)
+    context = muscles.CreateDefaultContext()
+    muscles.SetEquilibrium(context, np.array([0.0, 1.0]), np.linspace(0.1, 0.9, N))
+    state = context.get_discrete_state(0).value() if time_step else context.get_continuous_state_vector().CopyToVector()
+    named = dict(zip(muscles.GetStateNames(), state, strict=True))
+    assert named["TRIlong_activation"] == pytest.approx(0.1)
+    assert named["PL_activation"] == pytest.approx(0.9)
+    assert named["BRA_fiber_length"] == muscles.GetOutputPort("fiber_length").Eval(context)[5]
+
+
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
 def test_equilibrium_pulls_with_moment_arm_times_tendon_force(arm, outputs, time_step):
     muscles = HillMuscles(arm, time_step)
     context = muscles.CreateDefaultContext()
