@@ -33,6 +33,8 @@ def compiled(function: Callable[..., Any]) -> Any:
     config.CACHE_DIR = _FOLDER  # type: ignore[attr-defined]
     try:
         dispatcher.enable_caching()
+    except RuntimeError:
+        pass  # Numba finds no folder that it may write: every process compiles for itself
     finally:
         config.CACHE_DIR = before  # type: ignore[attr-defined]
     return dispatcher

@@ -1,0 +1,31 @@
+"""Compiled functions: cached where there is a place for it, and working where there is none."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+SCRIPT = """
+from drakearm.muscle.compiled import compiled
+from drakearm.muscle.thelen2003 import velocity_scale
+print(velocity_scale(1.0))
+"""
+
+
+@pytest.mark.parametrize("writable", [True, False])
+def test_it_runs_with_and_without_a_place_to_cache(tmp_path, writable):
+    folder = tmp_path / "cache"
+    if not writable:
+        folder.write_text("a file, where a folder would have to be")
+    run = subprocess.run(
+        [sys.executable, "-c", SCRIPT],
+        cwd=tmp_path,
+        env={**os.environ, "NUMBA_CACHE_DIR": str(folder)},
+        capture_output=True,
+        text=True,
+    )
+    assert run.stdout.strip() == "(1.0, 0.75)", run.stderr
+    if writable:
+        (state,) = folder.iterdir()  # one folder for the present state of the sources
+        assert list(state.rglob("*velocity_scale*.nbc"))
