@@ -2,12 +2,11 @@
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.framework import Context, LeafSystem, State
 
 from drakearm.model import Arm
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.model.skeleton import add_skeleton
+from drakearm.model.skeleton import add_skeleton, inverse_dynamics
 from drakearm.model.static_optimization import excitations_to_reach, static_activations
 
 STIFFNESS = 400.0  # 1/s^2
@@ -83,6 +82,4 @@ class StaticOptimizer(LeafSystem):
         """Joint torques (n_q,), Nm, that accelerate the arm by a (n_q,), rad/s^2, at q and v."""
         plant, context = self._plant, self._plant_context
         plant.SetPositionsAndVelocities(context, np.concatenate([q, v]))
-        forces = MultibodyForces(plant)
-        plant.CalcForceElementsContribution(context, forces)
-        return plant.CalcInverseDynamics(context, a, forces)
+        return inverse_dynamics(plant, context, a)

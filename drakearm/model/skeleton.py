@@ -7,7 +7,8 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex, SpatialInertia
+from pydrake.multibody.tree import ModelInstanceIndex, MultibodyForces, SpatialInertia
+from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
 from drakearm.model.arm import Arm
@@ -36,6 +37,13 @@ def add_skeleton(plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0) -> Mod
         if plant.geometry_source_is_registered():
             plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(radius), "load", _LOAD_COLOR)
     return model
+
+
+def inverse_dynamics(plant: MultibodyPlant, context: Context, a: np.ndarray) -> np.ndarray:
+    """The joint torques (n_q,), Nm, that give a skeleton in a context's state the accelerations a (n_q,), rad/s^2."""
+    forces = MultibodyForces(plant)
+    plant.CalcForceElementsContribution(context, forces)
+    return plant.CalcInverseDynamics(context, a, forces)
 
 
 def _check(plant: MultibodyPlant, arm: Arm, model: ModelInstanceIndex) -> None:

@@ -16,6 +16,7 @@ from drakearm.muscle.contraction import (
     fiber_velocity,
     rigid_tendon_force,
     shortest_fiber,
+    slack_fiber_length,
     tendon_force,
 )
 
@@ -39,8 +40,7 @@ def steady_force(activation, mtu_length, mtu_speed, m):
         force, by_activation, _, _ = rigid_tendon_force(activation, mtu_length, mtu_speed, m)
         return force, by_activation
     low = shortest_fiber(m)
-    slack = math.sqrt(max(mtu_length - m.tendon_slack_length, 0.0) ** 2 + m.fiber_width**2)
-    high = max(slack, low) * (1.0 + 1e-9)
+    high = max(slack_fiber_length(mtu_length, m), low) * (1.0 + 1e-9)
     x = 0.5 * (low + high)
     by_activation = slope = 0.0
     for _ in range(ITERATIONS):

@@ -116,7 +116,7 @@ def fiber_velocity(activation, fiber_length, mtu_length, m):
 
 
 @compiled
-def _slack_fiber_length(mtu_length, m):
+def slack_fiber_length(mtu_length, m):
     """Fiber length at which the tendon just goes slack."""
     return math.sqrt(max(mtu_length - m.tendon_slack_length, 0.0) ** 2 + m.fiber_width**2)
 
@@ -129,7 +129,7 @@ def solve_fiber(weight, base, activation, mtu_length, guess, m):
     tendon goes slack. Newton's method stays inside the bracket that it narrows, or falls back to bisection.
     """
     low = shortest_fiber(m)
-    high = max(max(base, _slack_fiber_length(mtu_length, m)), low) * (1.0 + 1e-9)
+    high = max(max(base, slack_fiber_length(mtu_length, m)), low) * (1.0 + 1e-9)
     x = min(max(guess, low), high)
     for _ in range(ITERATIONS):
         velocity, _, slope, _ = fiber_velocity(activation, x, mtu_length, m)
@@ -156,7 +156,7 @@ def equilibrium_fiber_length(activation, mtu_length, m):
     velocity, _, _, _ = fiber_velocity(activation, shortest_fiber(m), mtu_length, m)
     if velocity <= 0.0:
         return math.nan
-    guess = _slack_fiber_length(mtu_length, m)
+    guess = slack_fiber_length(mtu_length, m)
     return solve_fiber(0.0, 0.0, activation, mtu_length, guess, m)
 
 

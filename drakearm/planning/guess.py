@@ -2,7 +2,8 @@
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import MultibodyForces
+
+from drakearm.model import skeleton
 
 
 def minimum_jerk(start: np.ndarray, target: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -22,13 +23,11 @@ def minimum_jerk(start: np.ndarray, target: np.ndarray, times: np.ndarray) -> tu
 def inverse_dynamics(plant: MultibodyPlant, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
     """The joint torques (N, n_q), Nm, of a movement: q, v, a, each (N, n_q)."""
     context = plant.CreateDefaultContext()
-    forces = MultibodyForces(plant)
     torques = np.empty_like(q)
     for k in range(len(q)):
         plant.SetPositions(context, q[k])
         plant.SetVelocities(context, v[k])
-        plant.CalcForceElementsContribution(context, forces)
-        torques[k] = plant.CalcInverseDynamics(context, a[k], forces)
+        torques[k] = skeleton.inverse_dynamics(plant, context, a[k])
     return torques
 
 

@@ -9,6 +9,8 @@ from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import ArmError
 from drakearm.model.dynamics import forward_dynamics, read_dynamics
 
+from ..chains import make_chain
+
 
 def assert_same_accelerations(plant, seed=0):
     rng = np.random.default_rng(seed)
@@ -33,17 +35,7 @@ def test_arm(arm, load):
 
 @pytest.mark.parametrize("joints", [1, 3, 4])
 def test_any_chain_of_revolute_joints(joints):
-    links = "".join(
-        f'<link name="l{i}"><inertial><origin xyz="0.05 {-0.1 - 0.02 * i} 0.03"/><mass value="{1 + i}"/>'
-        f'<inertia ixx="0.02" iyy="0.01" izz="0.03" ixy="0.002" ixz="0.001" iyz="0"/></inertial></link>'
-        f'<joint name="j{i}" type="continuous"><parent link="{f"l{i - 1}" if i else "world"}"/><child link="l{i}"/>'
-        f'<origin xyz="0.02 -0.2 0.01"/><axis xyz="{0.1 * i} {0.3 - 0.2 * i} 1"/></joint>'
-        for i in range(joints)
-    )
-    plant = MultibodyPlant(0.0)
-    Parser(plant).AddModelsFromString(f'<robot name="chain">{links}</robot>', "urdf")
-    plant.Finalize()
-    assert_same_accelerations(plant)
+    assert_same_accelerations(make_chain(joints))
 
 
 def test_sliding_joint_is_refused():
