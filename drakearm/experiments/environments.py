@@ -54,4 +54,4 @@ def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorE
 @lru_cache(maxsize=8)
 def _planned(scenario: str | Path) -> Reference:
     loaded = load_scenario(scenario)
-    return plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass).reference
+    return plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass, loaded.obstacle).reference

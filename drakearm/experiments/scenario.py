@@ -13,6 +13,7 @@ from drakearm.diagrams import TrackingTask
 from drakearm.errors import ScenarioError
 from drakearm.learning import PpoSettings
 from drakearm.model import load_arm
+from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 from drakearm.planning import Movement
 from drakearm.systems import OBSERVATIONS, RewardWeights
@@ -49,6 +50,7 @@ class Scenario:
     tracking: Tracking  # what is learned
     arm: str = "arm14"  # name of a shipped arm, or folder of a user's own, from the scenario file's folder
     load_mass: NotNegative = 0.0  # kg, welded to the hand
+    obstacle: Obstacle | None = None  # what the plan goes around
     training: PpoSettings = field(default_factory=PpoSettings)
 
     def task(self, reference: Reference) -> TrackingTask:

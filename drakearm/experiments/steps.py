@@ -27,7 +27,7 @@ from drakearm.replay import write_replay
 def plan_step(run: RunFolder, scenario: str | Path) -> Plan:
     """Finds the optimal reference of a scenario."""
     loaded = run.keep_scenario(scenario)
-    planned = plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass)
+    planned = plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass, loaded.obstacle)
     planned.reference.save(run.path("reference"))
     run.write_json(
         "plan",

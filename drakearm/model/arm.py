@@ -115,6 +115,15 @@ class Muscle:
 
 
 @dataclass(frozen=True, config=_STRICT)
+class Capsule:
+    """A part of the arm as an obstacle meets it: everything within a radius of the line between two ends. Units: m."""
+
+    name: Name
+    radius: Positive
+    ends: tuple[tuple[Name, tuple[Finite, Finite, Finite]], tuple[Name, tuple[Finite, Finite, Finite]]]  # (body, p)
+
+
+@dataclass(frozen=True, config=_STRICT)
 class Arm:
     """An arm: a skeleton file for Drake's Parser and the muscles on it. `load_arm` reads one from a folder."""
 
@@ -125,6 +134,7 @@ class Arm:
     load_frame: Name  # where loads hang
     tip_frame: Name  # whose path is planned and drawn
     muscles: Annotated[tuple[Muscle, ...], Field(min_length=1)]
+    outline: tuple[Capsule, ...] = ()  # what plans keep clear of obstacles
 
     @field_validator("muscles")
     @classmethod

@@ -1,40 +1,34 @@
-"""What a plan may cost: small pieces that a scenario file lists with their weights.
+"""The costs of postures and torques: quadratic, so they are cheap to solve."""
 
-Each is an integral over the movement, written as quadratic costs on the knots, so a weight means
-the same whatever the number of knots. For a cost of your own: a frozen dataclass with a `type`, and
-an `add` that returns the costs it added.
-"""
-
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
-from pydrake.solvers import Binding, QuadraticCost
+from pydrake.solvers import Binding
 
+from drakearm.planning.cost import CostPiece, NonNegative, Weight
 from drakearm.planning.problem import Problem
 
 RATE_STEP = 0.04  # s: the paper's step, over which its R weighs a change of torque
 
-NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Weight = NonNegative | tuple[NonNegative, ...]  # one for all coordinates, or one for each
-QuadraticCosts = list[Binding[QuadraticCost]]
+Angle = Annotated[float, Field(allow_inf_nan=False)]
 
 _STRICT = ConfigDict(extra="forbid")
 
 
 @dataclass(frozen=True, kw_only=True, config=_STRICT)
-class Posture:
+class Posture(CostPiece):
     """Distance to the target and speed, along the way (integrated over time) and at the end."""
 
-    type: Literal["posture"] = "posture"
+    type = "posture"
     running: Weight = 0.0  # of (q - target)^2, 1/(rad^2 s)
     running_speed: Weight = 0.0  # of v^2, s/rad^2
     final: Weight = 0.0  # of (q - target)^2 at the end, 1/rad^2
     final_speed: Weight = 0.0  # of v^2 at the end, s^2/rad^2
 
-    def add(self, problem: Problem) -> QuadraticCosts:
-        def error(weights: np.ndarray, knot: int) -> Binding[QuadraticCost]:
+    def add(self, problem: Problem) -> list[Binding]:
+        def error(weights: np.ndarray, knot: int) -> Binding:
             target = np.concatenate([problem.target, np.zeros_like(problem.target)])
             state = problem.collocation.state(knot)
             return problem.prog.AddQuadraticErrorCost(np.diag(weights), target, state)
@@ -46,13 +40,36 @@ class Posture:
 
 
 @dataclass(frozen=True, kw_only=True, config=_STRICT)
-class Torque:
+class SwitchedTarget(CostPiece):
+    """Distance to a first target until a time, and to the movement's target from then on, integrated over time.
+
+    Denizdurduran et al. 2022, eq. 9: the set point switches at t_s.
+    """
+
+    type = "switched_target"
+    first_deg: tuple[Angle, ...]  # per coordinate
+    switch_time: NonNegative  # t_s, s from the start
+    weight: Weight  # of (q - set point)^2, 1/(rad^2 s)
+
+    def add(self, problem: Problem) -> list[Binding]:
+        first = problem.per_coordinate(np.deg2rad(self.first_deg), "angles")
+        weights = np.diag(problem.weights(self.weight))
+        return [
+            problem.prog.AddQuadraticErrorCost(
+                share * weights, first if problem.times[k] < self.switch_time else problem.target, problem.q(k)
+            )
+            for k, share in enumerate(problem.shares)
+        ]
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class Torque(CostPiece):
     """The joint torques squared, integrated over time."""
 
-    type: Literal["torque"] = "torque"
+    type = "torque"
     weight: Weight  # of tau^2, 1/(Nm^2 s)
 
-    def add(self, problem: Problem) -> QuadraticCosts:
+    def add(self, problem: Problem) -> list[Binding]:
         weights = problem.weights(self.weight)
         zero = np.zeros(len(weights))
         return [
@@ -62,17 +79,17 @@ class Torque:
 
 
 @dataclass(frozen=True, kw_only=True, config=_STRICT)
-class TorqueRate:
+class TorqueRate(CostPiece):
     """The rate of the joint torques squared, integrated over time.
 
     This is du' R du of Denizdurduran et al. 2022, eq. 3, for any knots: (RATE_STEP dtau/dt)^2 R.
     At knots RATE_STEP apart it is the paper's sum, times RATE_STEP as all integrals are.
     """
 
-    type: Literal["torque_rate"] = "torque_rate"
+    type = "torque_rate"
     weight: Weight  # the paper's R, 1/(Nm^2 s)
 
-    def add(self, problem: Problem) -> QuadraticCosts:
+    def add(self, problem: Problem) -> list[Binding]:
         weights = problem.weights(self.weight)
         zero = np.zeros(2 * len(weights))
         costs = []
@@ -86,15 +103,15 @@ class TorqueRate:
 
 
 @dataclass(frozen=True, kw_only=True, config=_STRICT)
-class HeldJoint:
+class HeldJoint(CostPiece):
     """How far one joint is from an angle, squared and integrated over time: keeps it still."""
 
-    type: Literal["held_joint"] = "held_joint"
+    type = "held_joint"
     joint: str
-    angle_deg: Annotated[float, Field(allow_inf_nan=False)]
+    angle_deg: Angle
     weight: NonNegative  # of (q_joint - angle)^2, 1/(rad^2 s)
 
-    def add(self, problem: Problem) -> QuadraticCosts:
+    def add(self, problem: Problem) -> list[Binding]:
         index = problem.coordinate(self.joint)
         angle = np.array([np.deg2rad(self.angle_deg)])
         return [
@@ -103,4 +120,13 @@ class HeldJoint:
         ]
 
 
-Cost = Annotated[Posture | Torque | TorqueRate | HeldJoint, Field(discriminator="type")]
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class Duration(CostPiece):
+    """How long the movement takes: what makes a free end time come to an end."""
+
+    type = "duration"
+    weight: NonNegative  # 1/s
+
+    def add(self, problem: Problem) -> list[Binding]:
+        cost = self.weight * (problem.times[-1] - problem.times[0])
+        return [problem.prog.AddQuadraticCost([[0.0]], [0.0], cost, problem.q(0)[:1], is_convex=True)]

@@ -1,15 +1,24 @@
-"""The minimum-jerk movement with the torques it takes: where the optimization starts."""
+"""Where the optimization starts: the minimum-jerk movement, bent around an obstacle, with the torques it takes."""
+
+from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.model import skeleton
 
+_LONGEST_DETOUR = np.deg2rad(60.0)  # by which a joint may leave the straight way
+_DETOURS = 625  # tried, about: 25 for each of two joints
+_SAMPLES = 41
 
-def minimum_jerk(start: np.ndarray, target: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+
+def minimum_jerk(
+    start: np.ndarray, target: np.ndarray, times: np.ndarray, detour: np.ndarray | float = 0.0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """q, v, a, each (N, n_q), of the smoothest movement from rest to rest, at times (N,).
 
-    Flash and Hogan 1985, for each joint angle.
+    Flash and Hogan 1985, for each joint angle. detour: (n_q,) rad, by which the joints are off that way in its middle.
     """
     duration = times[-1] - times[0]
     s = ((times - times[0]) / duration)[:, None]
@@ -17,7 +26,34 @@ def minimum_jerk(start: np.ndarray, target: np.ndarray, times: np.ndarray) -> tu
     q = start + way * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
     v = way / duration * 30.0 * s**2 * (1.0 - s) ** 2
     a = way / duration**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
+    bump = 64.0 * detour
+    q = q + bump * s**3 * (1.0 - s) ** 3
+    v = v + bump / duration * 3.0 * s**2 * (1.0 - s) ** 2 * (1.0 - 2.0 * s)
+    a = a + bump / duration**2 * 6.0 * s * (1.0 - s) * (1.0 - 5.0 * s * (1.0 - s))
     return q, v, a
+
+
+def smallest_detour(
+    start: np.ndarray,
+    target: np.ndarray,
+    limits: tuple[np.ndarray, np.ndarray],
+    clear: Callable[[np.ndarray], bool],
+) -> np.ndarray | None:
+    """The smallest detour (n_q,), rad, on which the arm stays within joint limits and is clear; None if there is none.
+
+    clear: whether the arm at q (n_q,) is clear of everything. From a guess that goes through an obstacle, a solver may
+    leave it on either side from one knot to the next.
+    """
+    times = np.linspace(0.0, 1.0, _SAMPLES)
+    lower, upper = np.minimum(limits[0], np.minimum(start, target)), np.maximum(limits[1], np.maximum(start, target))
+    count = 2 * int(_DETOURS ** (1.0 / len(start)) / 2.0) + 1
+    one_joint = np.linspace(-_LONGEST_DETOUR, _LONGEST_DETOUR, count)
+    detours = [np.array(detour) for detour in product(one_joint, repeat=len(start))]
+    for detour in sorted(detours, key=lambda d: float(d @ d)):
+        q, _, _ = minimum_jerk(start, target, times, detour)
+        if np.all(q >= lower) and np.all(q <= upper) and all(clear(row) for row in q[1:-1]):
+            return detour
+    return None
 
 
 def inverse_dynamics(plant: MultibodyPlant, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:

@@ -1,14 +1,19 @@
-"""The movement as a nonlinear program: knots with their variables, constraints with names."""
+"""The movement as a nonlinear program: knots with their variables, constraints with names, costs with a scale."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from pydrake.autodiffutils import ExtractGradient, ExtractValue, InitializeAutoDiff
 from pydrake.planning import DirectCollocation
-from pydrake.solvers import Binding, Constraint, MathematicalProgram
+from pydrake.solvers import Binding, Constraint, MathematicalProgram, QuadraticCost
+from pydrake.solvers import Cost as DrakeCost
 from pydrake.symbolic import Variable
 
 from drakearm.errors import PlanningError
+from drakearm.planning.skeleton import Skeleton
+
+Differentiable = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # x (n,) to values (m,) and Jacobian (m, n)
 
 
 @dataclass(frozen=True)
@@ -21,7 +26,7 @@ class NamedConstraint:
     binding: Binding[Constraint]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Problem:
     """A collocation with knots at fixed times: what costs and constraints are added to.
 
@@ -29,15 +34,20 @@ class Problem:
     """
 
     collocation: DirectCollocation
-    coordinates: tuple[str, ...]
-    times: np.ndarray  # of the knots, s
+    skeleton: Skeleton
+    times: np.ndarray  # of the knots, s from the start of the movement
     target: np.ndarray  # (n_q,) rad
     constraints: list[NamedConstraint] = field(default_factory=list)
     limits: list[NamedConstraint] = field(default_factory=list)
+    cost_scale: float = 1.0  # by which the solver's costs are larger than those asked for
 
     @property
     def prog(self) -> MathematicalProgram:
         return self.collocation.prog()
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        return self.skeleton.coordinates
 
     @property
     def shares(self) -> np.ndarray:
@@ -54,11 +64,51 @@ class Problem:
     def tau(self, knot: int) -> np.ndarray:
         return self.collocation.input(knot)
 
-    def add_limit(self, name: str, unit: str, limit: float, variables: Sequence[Variable]) -> None:
-        """Keeps one variable a knot within +-limit."""
+    def add_cost(self, function: Differentiable, variables: np.ndarray) -> Binding[DrakeCost]:
+        """Adds a cost that is not quadratic; function: its value (1,) and gradient (1, n) at the variables (n,)."""
+
+        def scaled(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            value, gradient = function(x)
+            return self.cost_scale * value, self.cost_scale * gradient
+
+        return self.prog.AddCost(lambda x: _evaluate(scaled, x)[0], variables)
+
+    def add_limit(
+        self, name: str, unit: str, limit: float, knots: Sequence[int], variables: Sequence[Variable]
+    ) -> None:
+        """Keeps one variable of each of some knots within +-limit."""
         binding = self.prog.AddBoundingBoxConstraint(-limit, limit, np.array(variables))
         binding.evaluator().set_description(name)
-        self.limits.append(NamedConstraint(name, unit, self.times, binding))
+        self.limits.append(NamedConstraint(name, unit, self.times[list(knots)], binding))
+
+    def add_clearance(self, function: Differentiable, rows: int, least: float, name: str, knot: int) -> None:
+        """Keeps all rows of function(q), in m, above `least` at a knot and in the middle of the interval before it.
+
+        There the collocation's cubic splines are at (q_0 + q_1) / 2 + h (v_0 - v_1) / 8.
+        """
+        n_q, step = len(self.coordinates), self.times[knot] - self.times[knot - 1]
+        middle = np.kron([0.5, 0.125 * step, 0.5, -0.125 * step], np.eye(n_q))
+        states = np.concatenate([self.collocation.state(knot - 1), self.collocation.state(knot)])
+        places = [(np.eye(n_q), self.q(knot), self.times[knot]), (middle, states, self.times[knot] - 0.5 * step)]
+        for matrix, variables, time in places:
+
+            def clearance(x: np.ndarray, matrix: np.ndarray = matrix) -> tuple[np.ndarray, np.ndarray]:
+                value, jacobian = function(matrix @ x)
+                return value, jacobian @ matrix
+
+            bounds = np.full(rows, least), np.full(rows, np.inf)
+            binding = self.prog.AddConstraint(lambda x, f=clearance: _evaluate(f, x), *bounds, variables)
+            self.constraints.append(NamedConstraint(name, "m", np.full(rows, time), binding))
+
+    def scale_costs(self, bindings: Sequence[Binding], total: float) -> None:
+        """Scales all costs so that those of the initial guess add up to `total`: only the ratio of weights matters."""
+        of_guess = float(np.sum(self.prog.EvalBindings(bindings, self.prog.initial_guess())))
+        self.cost_scale = total / of_guess if of_guess > 0.0 else 1.0
+        for binding in bindings:
+            cost = binding.evaluator()
+            if isinstance(cost, QuadraticCost):
+                scale = self.cost_scale
+                cost.UpdateCoefficients(scale * cost.Q(), scale * cost.b(), scale * cost.c())
 
     def coordinate(self, name: str) -> int:
         """The index of a coordinate. Raises PlanningError for a name that the arm does not have."""
@@ -71,9 +121,21 @@ class Problem:
 
         Raises PlanningError for another number of them.
         """
-        weights = np.atleast_1d(np.asarray(weight, dtype=float))
-        if len(weights) not in (1, len(self.coordinates)):
+        return self.per_coordinate(weight, "weights")
+
+    def per_coordinate(self, values: float | Sequence[float] | np.ndarray, what: str) -> np.ndarray:
+        """Values (n_q,) from one for all coordinates or one for each. Raises PlanningError for another number."""
+        array = np.atleast_1d(np.asarray(values, dtype=float))
+        if len(array) not in (1, len(self.coordinates)):
             raise PlanningError(
-                f"A cost has {len(weights)} weights: expected one, or one for each of {', '.join(self.coordinates)}."
+                f"A cost has {len(array)} {what}: expected one, or one for each of {', '.join(self.coordinates)}."
             )
-        return np.broadcast_to(weights, len(self.coordinates))
+        return np.broadcast_to(array, len(self.coordinates))
+
+
+def _evaluate(function: Differentiable, x: np.ndarray) -> np.ndarray:
+    """The function's values for x in double or AutoDiffXd, its Jacobian chained onto the derivatives of x."""
+    if x.dtype != object:
+        return function(x)[0]
+    value, jacobian = function(ExtractValue(x).ravel())
+    return InitializeAutoDiff(value, jacobian @ ExtractGradient(x)).ravel()

@@ -41,7 +41,7 @@ def test_reach_moves_the_hand_10_cm_in_its_direction(arm, name):
 def test_every_shipped_scenario_has_a_plan(name):
     scenario = load_scenario(name)
     arm = load_arm(scenario.arm)
-    reference = plan(arm, scenario.movement, scenario.load_mass).reference
+    reference = plan(arm, scenario.movement, scenario.load_mass, scenario.obstacle).reference
     np.testing.assert_allclose(reference.q[-1], scenario.movement.target, atol=1e-6)
     hand = hand_path(arm, reference.q)
     speed = np.linalg.norm(np.diff(hand, axis=0), axis=1)

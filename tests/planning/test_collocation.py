@@ -13,9 +13,11 @@ from pydrake.trajectories import PiecewisePolynomial
 from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import PlanningError
 from drakearm.model import load_arm
+from drakearm.model.points import point_positions
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.planning import HeldJoint, Movement, Posture, TorqueRate, plan
+from drakearm.planning import Duration, HandPosition, HeldJoint, Movement, Posture, Torque, TorqueRate, plan
 from drakearm.planning.guess import gravity_torque, inverse_dynamics
+from drakearm.planning.skeleton import Skeleton
 
 ARM = load_arm("arm14")
 TIMING = Movement(
@@ -130,6 +132,46 @@ def test_the_same_call_gives_the_same_plan():
     np.testing.assert_array_equal(first.reference.tau, second.reference.tau)
 
 
+def test_a_hand_position_draws_the_free_end_there():
+    goal = (0.25, 0.45, None)
+    costs = [HandPosition(position=goal, final=1e4), Posture(final_speed=1.0), TorqueRate(weight=0.01)]
+    found = plan(ARM, replace(SHORT, end="free", hold=0.0, costs=costs))
+    tip = point_positions(found.q[-1], Skeleton(ARM).tip)[0][0]
+    np.testing.assert_allclose(tip[:2], goal[:2], atol=5e-3)
+    assert np.abs(found.q[-1] - SHORT.target).max() > 0.1  # not where the movement's target is
+
+
+def test_own_angle_limits_are_met():
+    limited = plan(ARM, replace(SHORT, angle_limit_deg=((-0.2, 0.2), (0, 90))))
+    assert np.abs(limited.q[:, 0]).max() <= np.deg2rad(0.2) + 1e-6
+    assert limited.q[:, 1].max() <= np.pi / 2 + 1e-6
+
+
+def test_a_free_duration_is_that_of_least_cost():
+    movement = replace(SHORT, duration=(0.3, 0.8), costs=[*SHORT.costs, Duration(weight=2.0)])
+    best = plan(ARM, movement)
+    steps = round(best.t[-1] / CONTROL_STEP)
+    assert 31 <= steps <= 79 and best.t[-1] == pytest.approx(steps * CONTROL_STEP)
+
+    def cost(duration):
+        return sum(plan(ARM, replace(movement, duration=duration)).costs.values())
+
+    least = sum(best.costs.values())
+    assert least <= cost(round(best.t[-1] + 0.03, 2)) and least <= cost(round(best.t[-1] - 0.03, 2))
+
+
+def test_a_free_duration_avoids_the_impossible():
+    found = plan(ARM, replace(SHORT, duration=(0.1, 0.6), costs=[Torque(weight=1.0), Duration(weight=1e5)]))
+    assert 0.1 < found.t[-1] < 0.3  # as short as the torque limits allow
+
+
+def test_verification_tells_a_good_plan_from_a_bad_one(timing):
+    good = timing.verification
+    assert good.speed_defect < 2e-3 and good.acceleration_defect < 0.05
+    coarse = plan(ARM, replace(TIMING, knots=6)).verification
+    assert coarse.acceleration_defect > 20 * good.acceleration_defect
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -159,6 +201,8 @@ def test_failure_names_what_stands_in_the_way(changes, message):
         ({"knots": 2}, "knots"),
         ({"speed_limit": (0, 15)}, "speed_limit"),
         ({"costs": []}, "costs"),
+        ({"duration": (0.5, 0.4)}, "a shortest duration and a longer one"),
+        ({"end": "free"}, "hold: expected 0"),
     ],
 )
 def test_a_movement_checks_its_fields(changes, message):

@@ -4,13 +4,29 @@ import numpy as np
 import pytest
 import yaml
 from pydantic import TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
 from pydrake.planning import DirectCollocation
 from pydrake.systems.framework import InputPortIndex
-from pydrake.systems.primitives import LinearSystem
 
+from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import PlanningError
-from drakearm.planning import Cost, HeldJoint, Posture, Problem, Torque, TorqueRate
+from drakearm.model import load_arm
+from drakearm.model.obstacle import Obstacle
+from drakearm.planning import (
+    Cost,
+    CostPiece,
+    Duration,
+    HandPosition,
+    HeldJoint,
+    ObstacleDistance,
+    Posture,
+    Problem,
+    SwitchedTarget,
+    Torque,
+    TorqueRate,
+)
 from drakearm.planning.costs import RATE_STEP
+from drakearm.planning.skeleton import Skeleton
 
 DURATION = 0.8
 TARGET = np.array([0.2, 1.0])
@@ -19,28 +35,25 @@ COSTS = """
 - {type: torque, weight: [0, 1]}
 - {type: torque_rate, weight: 0.1}
 - {type: held_joint, joint: shoulder, angle_deg: 10, weight: 1000}
+- {type: switched_target, first_deg: [0, 22.5], switch_time: 0.3, weight: 10}
+- {type: hand_position, position: [0.3, 0.5, null], final: 100}
+- {type: obstacle_distance, weight: 10}
+- {type: duration, weight: 2}
 """
+OBSTACLE = Obstacle(position=(0.3, 0.3, 0.2), radius=0.03)
 
 
-def make_problem(knots: int) -> Problem:
-    """Knots of two double integrators: the costs do not depend on the dynamics."""
-    zero, one = np.zeros((2, 2)), np.eye(2)
-    system = LinearSystem(
-        A=np.block([[zero, one], [zero, zero]]),
-        B=np.vstack([zero, one]),
-        C=np.zeros((0, 4)),
-        D=np.zeros((0, 2)),
-    )
+def make_problem(knots: int, obstacle: Obstacle | None = None) -> Problem:
+    skeleton = Skeleton(load_arm("arm14"), obstacle=obstacle)
     step = DURATION / (knots - 1)
-    context = system.CreateDefaultContext()
-    collocation = DirectCollocation(system, context, knots, step, step, InputPortIndex(0))
-    times = np.linspace(0.0, DURATION, knots)
-    return Problem(collocation, ("shoulder", "elbow"), times, TARGET)
+    context = skeleton.system.CreateDefaultContext()
+    collocation = DirectCollocation(skeleton.system, context, knots, step, step, InputPortIndex(0))
+    return Problem(collocation, skeleton, np.linspace(0.0, DURATION, knots), TARGET)
 
 
-def value(cost: Cost, knots: int, **trajectories) -> float:
+def value(cost: CostPiece, knots: int, obstacle: Obstacle | None = None, **trajectories) -> float:
     """A cost's value on trajectories q, v, tau: functions of time (N,) that give (N, 2)."""
-    problem = make_problem(knots)
+    problem = make_problem(knots, obstacle)
     bindings = cost.add(problem)
     problem.prog.SetInitialGuessForAllVariables(np.zeros(problem.prog.num_vars()))
     for name, trajectory in trajectories.items():
@@ -93,6 +106,63 @@ def test_final_posture_counts_the_last_knot_alone():
     assert away == pytest.approx(0.01 + 0.4 + 0.5)
 
 
+def test_switched_target_draws_to_the_first_posture_then_to_the_target():
+    cost = SwitchedTarget(first_deg=(0.0, 22.5), switch_time=0.4, weight=(1.0, 2.0))
+    first = np.deg2rad([0.0, 22.5])
+    following = lambda times: np.where(times[:, None] < 0.4, first, TARGET)  # noqa: E731
+    assert value(cost, 41, q=following) == pytest.approx(0.0)
+    away = value(cost, 41, q=lambda times: following(times) + np.array([0.1, 0.2]))
+    assert away == pytest.approx((0.01 + 2.0 * 0.04) * DURATION)
+
+
+def test_duration_costs_what_the_movement_takes():
+    assert value(Duration(weight=2.0), 5) == pytest.approx(2.0 * DURATION)
+
+
+def hand(q: np.ndarray) -> np.ndarray:
+    plant = MakeTorqueArm(load_arm("arm14"))
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, q)
+    return plant.GetFrameByName("hand_tip").CalcPoseInWorld(context).translation()
+
+
+def test_hand_costs_are_of_where_the_plant_has_the_hand():
+    q = np.array([-0.3, 1.2])
+    x, y, _ = hand(q)
+    cost = HandPosition(position=(x + 0.03, y - 0.04, None), running=10.0, final=100.0)
+    assert value(cost, 5, q=constant(q)) == pytest.approx(0.05**2 * (10.0 * DURATION + 100.0))
+    distance = np.hypot(x - 0.3, y - 0.3)  # from an axis along z
+    found = value(ObstacleDistance(weight=10.0), 5, OBSTACLE, q=constant(q))
+    assert found == pytest.approx(10.0 * distance**2 * DURATION)
+
+
+@pytest.mark.parametrize(
+    ("cost", "obstacle", "message"),
+    [
+        (HandPosition(position=(0.9, 0.5, None)), None, r"out of reach.*no nearer than 0\.\d+ m"),
+        (ObstacleDistance(weight=1.0), None, "expected a scenario with an obstacle"),
+        (SwitchedTarget(first_deg=(1.0, 2.0, 3.0), switch_time=0.1, weight=1.0), None, "3 angles"),
+    ],
+)
+def test_costs_say_what_they_lack(cost, obstacle, message):
+    with pytest.raises(PlanningError, match=message):
+        cost.add(make_problem(5, obstacle))
+
+
+def test_a_cost_of_ones_own_is_known_to_scenario_files():
+    @dataclass(frozen=True)
+    class Jolt(CostPiece):
+        type = "jolt"
+        weight: float
+
+        def add(self, problem):
+            weight = np.array([[self.weight]])
+            return [problem.prog.AddQuadraticErrorCost(weight, np.zeros(1), problem.tau(0)[:1])]
+
+    (cost,) = TypeAdapter(list[Cost]).validate_python([{"type": "jolt", "weight": 3.0}])
+    assert value(cost, 5, tau=constant([2.0, 9.0])) == pytest.approx(12.0)
+
+
 def test_costs_load_from_yaml():
     costs = TypeAdapter(list[Cost]).validate_python(yaml.safe_load(COSTS))
     assert costs == [
@@ -100,6 +170,10 @@ def test_costs_load_from_yaml():
         Torque(weight=(0.0, 1.0)),
         TorqueRate(weight=0.1),
         HeldJoint(joint="shoulder", angle_deg=10.0, weight=1000.0),
+        SwitchedTarget(first_deg=(0.0, 22.5), switch_time=0.3, weight=10.0),
+        HandPosition(position=(0.3, 0.5, None), final=100.0),
+        ObstacleDistance(weight=10.0),
+        Duration(weight=2.0),
     ]
 
 
