@@ -1,5 +1,6 @@
 """Functions that build Diagrams out of Drake's systems and drakearm's."""
 
+from drakearm.diagrams.mpc_loop import MakeMpcLoop, MpcLoop
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm
 from drakearm.diagrams.policy_loop import MakePolicyLoop, PolicyLoop
 from drakearm.diagrams.static_loop import MakeStaticLoop
@@ -14,11 +15,13 @@ from drakearm.diagrams.tracking_task import (
 __all__ = [
     "AddMuscleArm",
     "AddTrackingTask",
+    "MakeMpcLoop",
     "MakePolicyLoop",
     "MakeSimulator",
     "MakeStaticLoop",
     "MakeTorqueArm",
     "MakeTrackingTask",
+    "MpcLoop",
     "MuscleArm",
     "PolicyLoop",
     "TaskSystems",

@@ -1,5 +1,6 @@
 """The LeafSystems of drakearm, one a file."""
 
+from drakearm.systems.collocation_mpc import CollocationMpc
 from drakearm.systems.compiled_skeleton import CompiledSkeleton
 from drakearm.systems.hill_muscles import HillMuscles, HillMuscles_
 from drakearm.systems.joint_stops import JointStops
@@ -11,6 +12,7 @@ from drakearm.systems.tracking_reward import RewardWeights, TrackingReward
 
 __all__ = [
     "OBSERVATIONS",
+    "CollocationMpc",
     "CompiledSkeleton",
     "HillMuscles",
     "HillMuscles_",

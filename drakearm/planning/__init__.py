@@ -6,7 +6,9 @@ from drakearm.planning.hand_costs import HandPosition, ObstacleDistance
 from drakearm.planning.movement import Movement
 from drakearm.planning.planner import plan
 from drakearm.planning.problem import Problem
+from drakearm.planning.receding_horizon import RecedingHorizon
 from drakearm.planning.result import Plan
+from drakearm.planning.skeleton import Skeleton
 
 __all__ = [
     "Cost",
@@ -19,6 +21,8 @@ __all__ = [
     "Plan",
     "Posture",
     "Problem",
+    "RecedingHorizon",
+    "Skeleton",
     "SwitchedTarget",
     "Torque",
     "TorqueRate",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.solvers import (
+    Binding,
     IpoptSolver,
     MathematicalProgramResult,
     SnoptSolver,
@@ -14,10 +15,10 @@ from pydrake.solvers import (
 )
 
 from drakearm.errors import PlanningError
+from drakearm.model.motion import Motion
 from drakearm.planning.cost import CostPiece
 from drakearm.planning.diagnosis import explain
 from drakearm.planning.problem import Problem
-from drakearm.planning.transcription import Motion
 
 _GUESS_COST = 10.0  # after scaling; tried: 3 to 100 take about as long
 
@@ -37,37 +38,59 @@ class Solution:
     tau: np.ndarray
 
 
-def solve(problem: Problem, costs: Sequence[CostPiece], what: str) -> Solution:
-    """The motion of least cost. Raises PlanningError, in one sentence, where there is none; what: "from a to b"."""
+def solve(problem: Problem, costs: Sequence[CostPiece], what: str, cost_scale: float | None = None) -> Solution:
+    """The motion of least cost. Raises PlanningError, in one sentence, where there is none.
+
+    what: "from a to b", for that sentence. cost_scale: what the solver's costs are multiplied by; by default the guess
+    decides.
+    """
     prog, collocation = problem.prog, problem.collocation
     terms = [(cost.type, cost.add(problem)) for cost in costs]
-    # Costs that are small beside SNOPT's first guess of the Hessian take it twenty times as long.
-    problem.scale_costs([binding for _, bindings in terms for binding in bindings], _GUESS_COST)
+    bindings = [binding for _, added in terms for binding in added]
+    problem.scale_costs(bindings, cost_scale or guess_scale(problem, bindings))
     solver, options = _choose_solver()
     evaluations = _count_evaluations(problem)
     result = solver.Solve(prog, prog.initial_guess(), options)
     if not result.is_success():
         raise PlanningError(
             f"There is no plan {what}: {explain(problem, solver, result.get_x_val())} "
-            f"({_name(solver)}: {_status(result)})."
+            f"({solver_name()}: {_status(result)})."
         )
-    value: dict[str, float] = {}
-    for name, bindings in terms:
-        added = float(np.sum(prog.EvalBindings(bindings, result.get_x_val())))
-        value[name] = value.get(name, 0.0) + added / problem.cost_scale
     motion = Motion(collocation.ReconstructStateTrajectory(result), collocation.ReconstructInputTrajectory(result))
     q, v = np.split(collocation.GetStateSamples(result).T, 2, axis=1)
     return Solution(
         motion=motion.later(problem.times[0]),
-        solver=_name(solver),
+        solver=solver_name(),
         status=_status(result),
         evaluations=len(evaluations),
-        costs=value,
+        costs=_values(problem, terms, result.get_x_val()),
         t=problem.times,
         q=q,
         v=v,
         tau=collocation.GetInputSamples(result).T,
     )
+
+
+def evaluate(problem: Problem, costs: Sequence[CostPiece]) -> dict[str, float]:
+    """What each type of cost contributes where the problem's guess is."""
+    return _values(problem, [(cost.type, cost.add(problem)) for cost in costs], problem.prog.initial_guess())
+
+
+def _values(problem: Problem, terms: list[tuple[str, list[Binding]]], x: np.ndarray) -> dict[str, float]:
+    values: dict[str, float] = {}
+    for name, bindings in terms:
+        added = float(np.sum(problem.prog.EvalBindings(bindings, x)))
+        values[name] = values.get(name, 0.0) + added / problem.cost_scale
+    return values
+
+
+def guess_scale(problem: Problem, bindings: Sequence[Binding]) -> float:
+    """What to multiply costs by so that those of the initial guess are of the size that suits the solver.
+
+    Costs that are small beside SNOPT's first guess of the Hessian take it twenty times as long.
+    """
+    of_guess = float(np.sum(problem.prog.EvalBindings(bindings, problem.prog.initial_guess())))
+    return _GUESS_COST / of_guess if of_guess > 0.0 else 1.0
 
 
 def _count_evaluations(problem: Problem) -> list[None]:
@@ -90,8 +113,9 @@ def _choose_solver() -> tuple[SolverInterface, SolverOptions]:
     return (snopt if snopt.available() else IpoptSolver()), options
 
 
-def _name(solver: SolverInterface) -> str:
-    return solver.solver_id().name()
+def solver_name() -> str:
+    """Which solver plans."""
+    return _choose_solver()[0].solver_id().name()
 
 
 def _status(result: MathematicalProgramResult) -> str:

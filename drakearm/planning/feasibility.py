@@ -8,7 +8,7 @@ from drakearm.diagrams import MakeTorqueArm
 from drakearm.model import Arm
 from drakearm.model.reference import Reference
 from drakearm.model.static_optimization import static_activations
-from drakearm.planning.guess import inverse_dynamics
+from drakearm.planning.torques import inverse_dynamics
 
 NEGLIGIBLE = 0.01  # Nm, reserve torque that counts as none
 

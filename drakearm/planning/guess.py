@@ -4,13 +4,40 @@ from collections.abc import Callable
 from itertools import product
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.model import skeleton
+from drakearm.errors import PlanningError
+from drakearm.model.motion import Motion
+from drakearm.planning.movement import Movement, in_degrees
+from drakearm.planning.skeleton import Skeleton
+from drakearm.planning.torques import inverse_dynamics
+from drakearm.planning.transcription import angle_limits
 
 _LONGEST_DETOUR = np.deg2rad(60.0)  # by which a joint may leave the straight way
 _DETOURS = 625  # tried, about: 25 for each of two joints
 _SAMPLES = 41
+
+
+def straight_guess(skeleton: Skeleton, movement: Movement, times: np.ndarray) -> Motion:
+    """The minimum-jerk movement, around the obstacle, at times (N,). Raises PlanningError where there is no way."""
+    detour: np.ndarray | float = 0.0
+    if skeleton.obstacle is not None:
+        found = smallest_detour(
+            movement.start,
+            movement.target,
+            angle_limits(skeleton, movement),
+            lambda q: bool(skeleton.clearance(q)[0].min() >= movement.clearance),
+        )
+        if found is None:
+            raise PlanningError(
+                f"There is no way around the obstacle from {in_degrees(movement.start_deg)} to "
+                f"{in_degrees(movement.target_deg)}: every detour within the joint limits meets it."
+            )
+        detour = found
+    q, v, a = minimum_jerk(movement.start, movement.target, times, detour)
+    states = PiecewisePolynomial.CubicHermite(times, np.hstack([q, v]).T, np.hstack([v, a]).T)
+    torques = inverse_dynamics(skeleton.plant, q, v, a)
+    return Motion(states, PiecewisePolynomial.FirstOrderHold(times, torques.T))
 
 
 def minimum_jerk(
@@ -54,20 +81,3 @@ def smallest_detour(
         if np.all(q >= lower) and np.all(q <= upper) and all(clear(row) for row in q[1:-1]):
             return detour
     return None
-
-
-def inverse_dynamics(plant: MultibodyPlant, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """The joint torques (N, n_q), Nm, of a movement: q, v, a, each (N, n_q)."""
-    context = plant.CreateDefaultContext()
-    torques = np.empty_like(q)
-    for k in range(len(q)):
-        plant.SetPositions(context, q[k])
-        plant.SetVelocities(context, v[k])
-        torques[k] = skeleton.inverse_dynamics(plant, context, a[k])
-    return torques
-
-
-def gravity_torque(plant: MultibodyPlant, q: np.ndarray) -> np.ndarray:
-    """The joint torques (n_q,), Nm, that hold the arm still at q (n_q,)."""
-    rest = np.zeros((1, len(q)))
-    return inverse_dynamics(plant, q[None, :], rest, rest)[0]

@@ -60,3 +60,8 @@ class Movement:
     def target(self) -> np.ndarray:
         """Joint angles (n_q,) at the end, rad."""
         return np.deg2rad(self.target_deg)
+
+
+def in_degrees(angles: tuple[float, ...]) -> str:
+    """Joint angles in degrees as messages show them."""
+    return "(" + ", ".join(f"{angle:g}" for angle in angles) + ") deg"

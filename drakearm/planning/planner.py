@@ -7,34 +7,51 @@ import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 from scipy.optimize import minimize_scalar
 
+from drakearm.diagrams import MakeMpcLoop
 from drakearm.errors import PlanningError
 from drakearm.model import Arm
+from drakearm.model.motion import Motion
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.planning.collocation import solve
-from drakearm.planning.guess import inverse_dynamics, minimum_jerk, smallest_detour
-from drakearm.planning.movement import Movement
+from drakearm.planning.collocation import solve, solver_name
+from drakearm.planning.guess import straight_guess
+from drakearm.planning.movement import Movement, in_degrees
+from drakearm.planning.receding_horizon import RecedingHorizon
 from drakearm.planning.request import check_request
 from drakearm.planning.resample import make_reference
 from drakearm.planning.result import Plan
 from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.transcription import Motion, angle_limits, transcribe
+from drakearm.planning.transcription import transcribe
 from drakearm.planning.verification import check, verify
 
 _TOO_SHORT = 1e9  # stands for the cost of a duration without a plan
 
 
-def plan(arm: Arm, movement: Movement, load_mass: float = 0.0, obstacle: Obstacle | None = None) -> Plan:
+def plan(
+    arm: Arm,
+    movement: Movement,
+    load_mass: float = 0.0,
+    obstacle: Obstacle | None = None,
+    horizon: float | None = None,
+) -> Plan:
     """The movement of least cost within the limits of joints, speeds and torques, and clear of the obstacle.
 
     load_mass: kg, in the hand. The movement starts at rest in equilibrium, and ends so unless its end is free: the
     torques there hold the arm against gravity, so the acceleration starts and ends at zero. Raises PlanningError, in
     one sentence, where the movement does not fit the arm or has no plan.
+
+    horizon: s, plans as Denizdurduran et al. 2022 do: again and again, so far ahead, from where the arm has come to
+    (see `RecedingHorizon`). The plan is then what the arm does; its knots are the control steps.
     """
     began = time.perf_counter()
     skeleton = Skeleton(arm, load_mass, obstacle)
     check_request(skeleton, movement)
-    found = _plan(skeleton, movement) if isinstance(movement.duration, float) else _best_duration(skeleton, movement)
+    if horizon is not None:
+        found = _recede(skeleton, movement, load_mass, horizon)
+    elif isinstance(movement.duration, tuple):
+        found = _best_duration(skeleton, movement)
+    else:
+        found = _plan(skeleton, movement)
     return replace(found, seconds=time.perf_counter() - began)
 
 
@@ -44,7 +61,7 @@ def _plan(skeleton: Skeleton, movement: Movement) -> Plan:
     start = (np.concatenate([movement.start, np.zeros_like(movement.start)]), skeleton.gravity_torque(movement.start))
     guess = straight_guess(skeleton, movement, times)
     problem = transcribe(skeleton, movement, times, start, guess, arrives=movement.end == "rest")
-    what = f"from {_degrees(movement.start_deg)} to {_degrees(movement.target_deg)} in {movement.duration:g} s"
+    what = f"from {in_degrees(movement.start_deg)} to {in_degrees(movement.target_deg)} in {movement.duration:g} s"
     solution = solve(problem, movement.costs, what)
     verification = verify(skeleton, movement, solution.motion)
     check(verification, movement)
@@ -63,26 +80,33 @@ def _plan(skeleton: Skeleton, movement: Movement) -> Plan:
     )
 
 
-def straight_guess(skeleton: Skeleton, movement: Movement, times: np.ndarray) -> Motion:
-    """The minimum-jerk movement, around the obstacle, at times (N,). Raises PlanningError where there is no way."""
-    detour: np.ndarray | float = 0.0
-    if skeleton.obstacle is not None:
-        found = smallest_detour(
-            movement.start,
-            movement.target,
-            angle_limits(skeleton, movement),
-            lambda q: bool(skeleton.clearance(q)[0].min() >= movement.clearance),
-        )
-        if found is None:
-            raise PlanningError(
-                f"There is no way around the obstacle from {_degrees(movement.start_deg)} to "
-                f"{_degrees(movement.target_deg)}: every detour within the joint limits meets it."
-            )
-        detour = found
-    q, v, a = minimum_jerk(movement.start, movement.target, times, detour)
-    states = PiecewisePolynomial.CubicHermite(times, np.hstack([q, v]).T, np.hstack([v, a]).T)
-    torques = inverse_dynamics(skeleton.plant, q, v, a)
-    return Motion(states, PiecewisePolynomial.FirstOrderHold(times, torques.T))
+def _recede(skeleton: Skeleton, movement: Movement, load_mass: float, horizon: float) -> Plan:
+    """What the arm does under model predictive control, judged as a plan."""
+    planner = RecedingHorizon(skeleton, movement, horizon)
+    assert isinstance(movement.duration, float)
+    loop = MakeMpcLoop(skeleton.arm, planner, load_mass)
+    reference = loop.Run(movement.start, movement.duration + movement.hold)
+    moving = slice(round(movement.duration / CONTROL_STEP) + 1)
+    t, q, v, a, tau = (getattr(reference, name)[moving] for name in ("t", "q", "v", "a", "tau"))
+    motion = Motion(
+        PiecewisePolynomial.CubicHermite(t, np.hstack([q, v]).T, np.hstack([v, a]).T),
+        PiecewisePolynomial.FirstOrderHold(t, tau.T),
+    )
+    verification = verify(skeleton, movement, motion)
+    check(verification, movement)
+    return Plan(
+        reference=reference,
+        solver=solver_name(),
+        status=f"{planner.solutions} solutions found",
+        evaluations=planner.evaluations,
+        seconds=0.0,
+        costs=planner.costs(motion, t),
+        verification=verification,
+        t=t,
+        q=q,
+        v=v,
+        tau=tau,
+    )
 
 
 def _best_duration(skeleton: Skeleton, movement: Movement) -> Plan:
@@ -118,7 +142,3 @@ def _best_duration(skeleton: Skeleton, movement: Movement) -> Plan:
 
 def _total(found: Plan) -> float:
     return sum(found.costs.values())
-
-
-def _degrees(angles: tuple[float, ...]) -> str:
-    return "(" + ", ".join(f"{angle:g}" for angle in angles) + ") deg"

@@ -100,14 +100,12 @@ class Problem:
             binding = self.prog.AddConstraint(lambda x, f=clearance: _evaluate(f, x), *bounds, variables)
             self.constraints.append(NamedConstraint(name, "m", np.full(rows, time), binding))
 
-    def scale_costs(self, bindings: Sequence[Binding], total: float) -> None:
-        """Scales all costs so that those of the initial guess add up to `total`: only the ratio of weights matters."""
-        of_guess = float(np.sum(self.prog.EvalBindings(bindings, self.prog.initial_guess())))
-        self.cost_scale = total / of_guess if of_guess > 0.0 else 1.0
+    def scale_costs(self, bindings: Sequence[Binding], scale: float) -> None:
+        """Multiplies all costs, which are these bindings, by a scale: only the ratio of their weights matters."""
+        self.cost_scale = scale
         for binding in bindings:
             cost = binding.evaluator()
             if isinstance(cost, QuadraticCost):
-                scale = self.cost_scale
                 cost.UpdateCoefficients(scale * cost.Q(), scale * cost.b(), scale * cost.c())
 
     def coordinate(self, name: str) -> int:

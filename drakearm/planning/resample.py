@@ -5,7 +5,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.trajectories import PiecewisePolynomial
 
 from drakearm.model.reference import CONTROL_STEP, Reference
-from drakearm.planning.guess import gravity_torque
+from drakearm.planning.torques import gravity_torque
 
 
 def make_reference(

@@ -12,7 +12,7 @@ from drakearm.model.dynamics import read_dynamics
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.points import PointTable, read_points
 from drakearm.planning.clearance import clearances
-from drakearm.planning.guess import gravity_torque
+from drakearm.planning.torques import gravity_torque
 from drakearm.systems import CompiledSkeleton
 
 

@@ -1,31 +1,14 @@
 """From a movement to a nonlinear program: its knots, dynamics, ends and limits, without the costs."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from pydrake.planning import DirectCollocation
-from pydrake.trajectories import PiecewisePolynomial
 
+from drakearm.model.motion import Motion
 from drakearm.planning.movement import Movement
 from drakearm.planning.problem import NamedConstraint, Problem
 from drakearm.planning.skeleton import Skeleton
 
 _ROUNDING = 1e-9  # by which a posture may lie outside the joint limits, rad
-
-
-@dataclass(frozen=True)
-class Motion:
-    """A movement in the making: q and v, and the torques, as trajectories over time."""
-
-    states: PiecewisePolynomial
-    inputs: PiecewisePolynomial
-
-    def later(self, seconds: float) -> "Motion":
-        """The same motion at a later time."""
-        motion = Motion(self.states.Clone(), self.inputs.Clone())
-        motion.states.shiftRight(seconds)
-        motion.inputs.shiftRight(seconds)
-        return motion
 
 
 def transcribe(

@@ -6,9 +6,10 @@ import numpy as np
 
 from drakearm.errors import PlanningError
 from drakearm.model.dynamics import forward_dynamics
+from drakearm.model.motion import Motion
 from drakearm.planning.movement import Movement
 from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.transcription import Motion, angle_limits
+from drakearm.planning.transcription import angle_limits
 
 GRID = 1e-3  # s
 ANGLE_TOLERANCE = np.deg2rad(0.5)  # by which a spline may leave the limits that its knots keep

@@ -16,8 +16,8 @@ from drakearm.model import load_arm
 from drakearm.model.points import point_positions
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning import Duration, HandPosition, HeldJoint, Movement, Posture, Torque, TorqueRate, plan
-from drakearm.planning.guess import gravity_torque, inverse_dynamics
 from drakearm.planning.skeleton import Skeleton
+from drakearm.planning.torques import gravity_torque, inverse_dynamics
 
 ARM = load_arm("arm14")
 TIMING = Movement(

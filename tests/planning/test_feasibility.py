@@ -4,7 +4,7 @@ import numpy as np
 
 from drakearm.diagrams import MakeTorqueArm
 from drakearm.planning.feasibility import muscle_feasibility
-from drakearm.planning.guess import inverse_dynamics
+from drakearm.planning.torques import inverse_dynamics
 
 
 def test_the_empty_hand_is_feasible(arm, reference):

@@ -6,7 +6,7 @@ from pydrake.systems.analysis import Simulator
 from drakearm.diagrams import MakeTorqueArm
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.static_optimization import static_activations
-from drakearm.planning.guess import inverse_dynamics
+from drakearm.planning.torques import inverse_dynamics
 from drakearm.systems import StaticOptimizer
 
 POSTURE, STILL = np.deg2rad([-20.0, 80.0]), np.zeros(2)

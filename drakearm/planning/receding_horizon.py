@@ -1,0 +1,106 @@
+"""The receding horizon: a movement that is planned again and again, from wherever the arm is."""
+
+import math
+
+import numpy as np
+from pydrake.trajectories import PiecewisePolynomial
+
+from drakearm.errors import PlanningError
+from drakearm.model.motion import Motion
+from drakearm.planning.collocation import evaluate, guess_scale, solve
+from drakearm.planning.costs import Posture, TorqueRate
+from drakearm.planning.guess import straight_guess
+from drakearm.planning.movement import Movement
+from drakearm.planning.skeleton import Skeleton
+from drakearm.planning.transcription import transcribe
+from drakearm.systems.collocation_mpc import REPLANNING_STEP
+
+RECOVERY = 0.4  # s: a disturbed arm gets at least so long to come to its target
+STRAYED = (0.01, 0.2)  # rad and rad/s, off the plan: more is a disturbance
+HOLDING = (Posture(running=100.0, running_speed=1.0), TorqueRate(weight=0.1))  # costs after the movement
+_FEWEST = 6  # knots
+
+
+class RecedingHorizon:
+    """Plans a movement from any state at any time, over a horizon ahead: the planner of `CollocationMpc`.
+
+    As in Denizdurduran et al. 2022 the knots are a replanning step apart, and only that step of each plan is carried
+    out. The plan before is the guess of the next, and the torques go on from where it had them. A movement that ends at
+    rest has its end as a constraint as soon as the horizon reaches it, and then the horizon shrinks with the time that
+    is left; when that is over, or when the arm has strayed from the plan, it is at least RECOVERY. What the movement
+    costs counts until its end; then HOLDING does. A movement with a free end is drawn by its costs alone, for ever.
+    """
+
+    def __init__(self, skeleton: Skeleton, movement: Movement, horizon: float):
+        """horizon: s, at least RECOVERY. Raises PlanningError for a shorter one, and for a free duration."""
+        if horizon < RECOVERY:
+            raise PlanningError(f"The horizon is {horizon:g} s: expected at least {RECOVERY:g} s.")
+        if isinstance(movement.duration, tuple):
+            raise PlanningError("The movement's duration is free: expected a fixed one for a receding horizon.")
+        self._skeleton, self._movement, self._horizon = skeleton, movement, horizon
+        self._duration = movement.duration
+        self._cost_scale = self._scale()
+        self.solutions = 0
+        self.evaluations = 0
+
+    def __call__(self, time: float, arm_state: np.ndarray, before: Motion | None) -> Motion:
+        """The motion from a state (2 n_q,) at a time (s) on; before: the one planned last, if any.
+
+        Raises PlanningError where there is none.
+        """
+        skeleton, movement = self._skeleton, self._movement
+        end = time + self._horizon
+        arrives = movement.end == "rest" and end >= self._duration
+        if arrives:
+            end = self._arrival(time, arm_state, before)
+            if before is not None and end - time < REPLANNING_STEP:
+                return before  # what is left of it is less than a step
+        knots = max(_FEWEST, math.ceil((end - time) / REPLANNING_STEP - 1e-6) + 1)
+        times = np.linspace(time, end, knots)
+        if before is None:
+            torque = skeleton.gravity_torque(arm_state[: len(movement.start)])
+            guess = straight_guess(skeleton, movement, np.linspace(time, max(end, self._duration), knots))
+        else:
+            torque = before.inputs.value(time).ravel()
+            guess = _continued(before, times)
+        problem = transcribe(skeleton, movement, times, (arm_state, torque), guess, arrives=arrives)
+        if movement.end == "rest" and time >= self._duration:
+            solution = solve(problem, HOLDING, f"to hold the arm at {time:.2f} s", cost_scale=1.0)
+        else:
+            solution = solve(problem, movement.costs, f"at {time:.2f} s", self._cost_scale)
+        self.solutions += 1
+        self.evaluations += solution.evaluations
+        return solution.motion
+
+    def _arrival(self, time: float, arm_state: np.ndarray, before: Motion | None) -> float:
+        """When to be at the target. To put it off at every step would be never to arrive."""
+        if before is None:
+            return max(self._duration, time + RECOVERY)
+        end = max(self._duration, before.states.end_time())
+        off = np.abs(arm_state - before.states.value(min(time, before.states.end_time())).ravel())
+        strayed = np.any(off > np.repeat(STRAYED, len(off) // 2))
+        return max(end, time + RECOVERY) if strayed or time >= end else end
+
+    def costs(self, motion: Motion, times: np.ndarray) -> dict[str, float]:
+        """What each type of the movement's costs contributes to a motion, by its values at times (N,)."""
+        start = (motion.states.value(times[0]).ravel(), motion.inputs.value(times[0]).ravel())
+        problem = transcribe(self._skeleton, self._movement, times, start, motion, arrives=False)
+        return evaluate(problem, self._movement.costs)
+
+    def _scale(self) -> float:
+        """That of the whole movement: costs of an arm that has arrived are too small to scale by."""
+        movement = self._movement
+        start = np.concatenate([movement.start, np.zeros_like(movement.start)])
+        times = np.linspace(0.0, self._duration, movement.knots)
+        guess = straight_guess(self._skeleton, movement, times)
+        torque = self._skeleton.gravity_torque(movement.start)
+        problem = transcribe(self._skeleton, movement, times, (start, torque), guess, arrives=False)
+        return guess_scale(problem, [binding for cost in movement.costs for binding in cost.add(problem)])
+
+
+def _continued(before: Motion, times: np.ndarray) -> Motion:
+    """A motion at other times (N,); after its end it stays where it was."""
+    within = np.minimum(times, before.states.end_time())
+    states, inputs = before.states.vector_values(within), before.inputs.vector_values(within)
+    states[states.shape[0] // 2 :, times > before.states.end_time() + 1e-9] = 0.0
+    return Motion(PiecewisePolynomial.FirstOrderHold(times, states), PiecewisePolynomial.FirstOrderHold(times, inputs))
