@@ -62,6 +62,7 @@ class Scenario:
             observation=self.tracking.observation,
             load_mass=self.load_mass,
             start_noise=np.deg2rad(self.tracking.start_noise_deg),
+            obstacle=self.obstacle,
         )
 
 

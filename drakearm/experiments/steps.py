@@ -109,6 +109,7 @@ def replay_step(run: RunFolder) -> Path:
         load_arm(scenario.arm),
         recording,
         load_mass=scenario.load_mass,
+        obstacle=scenario.obstacle,
         title=scenario.name,
     )
     return run.path("replay")
