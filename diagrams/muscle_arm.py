@@ -55,7 +55,8 @@ def AddMuscleArm(
 
     load_mass: kg, welded to the hand. stops: whether joints are kept in the range that the skeleton file gives.
     time_step: s, of the muscles and stops; 0 makes them continuous. scene_graph: registers the skeleton's shapes for
-    drawing, and an obstacle's, if there is one. The plant is always continuous: simulate with `MakeSimulator`, or with an integrator of your choice.
+    drawing, and those of an obstacle, which the arm does not feel. The plant is always continuous: simulate with
+    `MakeSimulator`, or with an integrator of your choice.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(time_step=0.0))
     if scene_graph is not None:
