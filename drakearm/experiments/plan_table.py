@@ -43,7 +43,7 @@ def plans_table(results: Mapping[str, PlanReport | DrakearmError]) -> Table:
         caption="\n".join([_CAPTION, *failures]),
         caption_justify="left",
         box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
+        padding=0,
         show_edge=False,
     )
     for column in _COLUMNS:
