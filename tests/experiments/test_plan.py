@@ -101,16 +101,7 @@ def test_side_view_is_of_forward_and_up(arm, obstacle):
 
 def test_one_plan_prints_its_facts(tmp_path):
     printed = plan("timing-0.7s", "--out", tmp_path)
-    for part in (
-        "SNOPT",
-        "solution found",
-        "evaluations",
-        "held_joint",
-        "torque_rate",
-        "rad/s",
-        "Nm",
-        "can do it",
-    ):
+    for part in ("SNOPT", "solution found", "evaluations", "held_joint", "torque_rate", "rad/s", "Nm", "can do it"):
         assert part in printed, part
     assert "clearance" not in printed
     assert {file.name for file in tmp_path.iterdir()} == {"scenario.yaml", "reference.npz", "plan.json", "plan.png"}
