@@ -10,6 +10,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder
 
 from drakearm.model import Arm
+from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.skeleton import add_skeleton
 from drakearm.systems.hill_muscles import RESTING_ACTIVATION, HillMuscles
 from drakearm.systems.joint_stops import JointStops
@@ -48,17 +49,21 @@ def AddMuscleArm(
     stops: bool = True,
     time_step: float = TIME_STEP,
     scene_graph: SceneGraph | None = None,
+    obstacle: Obstacle | None = None,
 ) -> MuscleArm:
     """Adds plant, muscles and joint stops to a builder and connects them to each other.
 
     load_mass: kg, welded to the hand. stops: whether joints are kept in the range that the skeleton file gives.
     time_step: s, of the muscles and stops; 0 makes them continuous. scene_graph: registers the skeleton's shapes for
-    drawing. The plant is always continuous: simulate with `MakeSimulator`, or with an integrator of your choice.
+    drawing, and those of an obstacle, which the arm does not feel. The plant is always continuous: simulate with
+    `MakeSimulator`, or with an integrator of your choice.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(time_step=0.0))
     if scene_graph is not None:
         plant.RegisterAsSourceForSceneGraph(scene_graph)
     add_skeleton(plant, arm, load_mass)
+    if scene_graph is not None and obstacle is not None:
+        add_obstacle(plant, obstacle)
     plant.Finalize()
     if scene_graph is not None:
         builder.Connect(

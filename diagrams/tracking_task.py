@@ -9,6 +9,7 @@ from pydrake.systems.primitives import MatrixGain, TrajectorySource
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
 from drakearm.model import Arm
+from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 from drakearm.systems.proprioception import LOOKAHEAD, Proprioception
 from drakearm.systems.tracking_reward import RewardWeights, TrackingReward
@@ -24,6 +25,7 @@ class TrackingTask:
     observation: str = "full"  # one of `OBSERVATIONS`
     load_mass: float = 0.0  # kg, in the hand
     start_noise: float = 0.0  # rad, standard deviation of the joint angles at the start
+    obstacle: Obstacle | None = None  # drawn; the reference goes around it
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class TaskSystems:
 
 def AddTrackingTask(builder: DiagramBuilder, task: TrackingTask, scene_graph: SceneGraph | None = None) -> TaskSystems:
     """Adds arm, reference, senses and reward to a builder and connects them."""
-    arm = AddMuscleArm(builder, task.arm, load_mass=task.load_mass, scene_graph=scene_graph)
+    arm = AddMuscleArm(builder, task.arm, load_mass=task.load_mass, scene_graph=scene_graph, obstacle=task.obstacle)
     reference = builder.AddNamedSystem("reference", TrajectorySource(task.reference.preview_trajectory(LOOKAHEAD), 1))
     proprioception = builder.AddNamedSystem("proprioception", Proprioception(task.arm, task.observation))
     sources = {

@@ -14,9 +14,11 @@ from drakearm.errors import DrakearmError, RunFolderError
 from drakearm.experiments.arm_picture import check_picture_path, write_picture
 from drakearm.experiments.arm_table import muscle_table
 from drakearm.experiments.environments import EnvKind
+from drakearm.experiments.plan_report import PlanReport
+from drakearm.experiments.plan_table import fact_table, plans_table
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import load_scenario, scenario_files
-from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
+from drakearm.experiments.steps import PLANNED, evaluate_step, plan_step, replay_step, train_step
 from drakearm.learning import BatchReport
 from drakearm.model import load_arm
 from drakearm.model.inspection import inspect_arm
@@ -79,11 +81,40 @@ def inspect(
 
 
 @app.command()
-def plan(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False) -> None:
-    """Find the optimal reference with direct collocation; writes scenario.yaml, reference.npz and plan.json."""
-    run = _run_folder(scenario, out)
-    run.claim(("reference", "plan"), overwrite)
-    _plan(run, scenario)
+def plan(
+    scenarios: Annotated[
+        list[str],
+        typer.Argument(
+            help="Names from `drakearm list`, paths of scenario files, or `all` that drakearm ships.",
+            metavar="SCENARIO...",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", help="Folder of the run; of all runs, if there are several. [default: runs]", show_default=False
+        ),
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Find the optimal reference with direct collocation; writes scenario.yaml, reference.npz, plan.json and plan.png.
+
+    One scenario: prints the facts about its plan. Several: goes on where one has no plan, and prints a table.
+    """
+    names = list(
+        dict.fromkeys(name for given in scenarios for name in (scenario_files() if given == "all" else [given]))
+    )
+    if len(names) == 1:
+        run = _run_folder(names[0], out)
+        run.claim(PLANNED, overwrite)
+        console.print(fact_table(plan_step(run, names[0])))
+        console.print(f"open {run.path('plan_picture')} for the movement and its limits")
+        return
+    results = _plan_several(names, out or Path("runs"), overwrite)
+    console.print(plans_table(results))
+    console.print(f"open {out or 'runs'}/SCENARIO/{RunFolder.FILES['plan_picture']} for a movement and its limits")
+    if any(isinstance(result, DrakearmError) for result in results.values()):
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -157,8 +188,34 @@ def _begun_run(scenario: str, out: Path | None) -> RunFolder:
 
 
 def _plan(run: RunFolder, scenario: str) -> None:
-    planned = plan_step(run, scenario)
+    report = plan_step(run, scenario)
+    planned = report.plan
     console.print(f"planned with {planned.solver} in {planned.seconds:.2f} s: {planned.status}")
+    console.print(report.feasibility.verdict)
+
+
+def _plan_several(scenarios: list[str], out: Path, overwrite: bool) -> dict[str, PlanReport | DrakearmError]:
+    """Plans each scenario into a folder of its name, and keeps the errors of those that cannot be planned."""
+    runs: dict[str, tuple[str, RunFolder]] = {}
+    for scenario in scenarios:
+        name = load_scenario(scenario).name
+        if name in runs:
+            raise RunFolderError(f"{runs[name][0]} and {scenario} are both named {name}: expected a folder for each.")
+        runs[name] = (scenario, RunFolder(out / name))
+    for _, run in runs.values():
+        run.claim(PLANNED, overwrite)
+    results: dict[str, PlanReport | DrakearmError] = {}
+    columns = (TextColumn("planning"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[name]}"))
+    with Progress(*columns, console=console, transient=True) as progress:
+        bar = progress.add_task("planning", total=len(runs), name="")
+        for name, (scenario, run) in runs.items():
+            progress.update(bar, name=name)
+            try:
+                results[name] = plan_step(run, scenario)
+            except DrakearmError as error:
+                results[name] = error
+            progress.advance(bar)
+    return results
 
 
 def _train(run: RunFolder, seed: int, batches: int | None, env: EnvKind) -> None:

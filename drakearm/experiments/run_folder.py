@@ -17,7 +17,8 @@ class RunFolder:
     FILES = {  # noqa: RUF012
         "scenario": "scenario.yaml",  # a copy of what was asked for
         "reference": "reference.npz",  # Reference: what the joints should do
-        "plan": "plan.json",  # solver, status, time, costs
+        "plan": "plan.json",  # how it was found, its costs and margins, and whether the muscles can do it
+        "plan_picture": "plan.png",
         "policy": "policy.safetensors",  # Policy: what was learned
         "training_log": "training.csv",  # a row a batch
         "training": "training.json",  # seed, steps, seconds

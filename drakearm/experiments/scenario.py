@@ -1,5 +1,6 @@
 """Scenarios: the movements of the paper, each a YAML file: what to plan and how to learn it."""
 
+import re
 from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated
@@ -62,12 +63,17 @@ class Scenario:
             observation=self.tracking.observation,
             load_mass=self.load_mass,
             start_noise=np.deg2rad(self.tracking.start_noise_deg),
+            obstacle=self.obstacle,
         )
 
 
 def scenario_files() -> dict[str, Path]:
-    """The shipped scenarios: name and file."""
-    return {file.stem: file for file in sorted(_SHIPPED.glob("*.yaml"))}
+    """The shipped scenarios: name and file, 2 kg before 10 kg."""
+
+    def numbers(file: Path) -> list[str | int]:
+        return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.stem)]
+
+    return {file.stem: file for file in sorted(_SHIPPED.glob("*.yaml"), key=numbers)}
 
 
 def find_scenario(scenario: str | Path) -> Path:

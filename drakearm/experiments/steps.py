@@ -14,31 +14,32 @@ from drakearm.experiments.metrics import (
     tracking_metrics,
     versions,
 )
+from drakearm.experiments.plan_picture import write_plan_picture
+from drakearm.experiments.plan_report import PlanReport
 from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import Scenario
+from drakearm.experiments.scenario import Scenario, load_scenario
 from drakearm.learning import BatchReport, Policy, train
 from drakearm.model import load_arm
 from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
-from drakearm.planning import Plan, plan
+from drakearm.planning import plan
+from drakearm.planning.feasibility import muscle_feasibility
 from drakearm.replay import write_replay
 
+PLANNED = ("reference", "plan", "plan_picture")  # what `plan_step` writes, beside the scenario
 
-def plan_step(run: RunFolder, scenario: str | Path) -> Plan:
-    """Finds the optimal reference of a scenario."""
-    loaded = run.keep_scenario(scenario)
-    planned = plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass, loaded.obstacle)
+
+def plan_step(run: RunFolder, scenario: str | Path) -> PlanReport:
+    """Finds the optimal reference of a scenario, and whether the muscles can do it. Writes nothing where it fails."""
+    loaded = load_scenario(scenario)
+    arm = load_arm(loaded.arm)
+    planned = plan(arm, loaded.movement, loaded.load_mass, loaded.obstacle)
+    feasibility = muscle_feasibility(arm, planned.reference, loaded.load_mass)
+    report = PlanReport(run.keep_scenario(scenario), arm, planned, feasibility)
     planned.reference.save(run.path("reference"))
-    run.write_json(
-        "plan",
-        {
-            "solver": planned.solver,
-            "status": planned.status,
-            "seconds": planned.seconds,
-            "costs": planned.costs,
-        },
-    )
-    return planned
+    run.write_json("plan", report.content)
+    write_plan_picture(report, run.path("plan_picture"))
+    return report
 
 
 def train_step(
@@ -109,6 +110,7 @@ def replay_step(run: RunFolder) -> Path:
         load_arm(scenario.arm),
         recording,
         load_mass=scenario.load_mass,
+        obstacle=scenario.obstacle,
         title=scenario.name,
     )
     return run.path("replay")

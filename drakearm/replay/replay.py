@@ -6,6 +6,7 @@ import numpy as np
 from pydrake.geometry import MeshcatAnimation
 
 from drakearm.model import Arm
+from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.replay.page import make_page
@@ -22,15 +23,16 @@ def write_replay(
     recording: Recording,
     *,
     load_mass: float = 0.0,
+    obstacle: Obstacle | None = None,
     title: str = "drakearm replay",
 ) -> None:
     """Writes a web page that repeats the recorded movement in slow motion.
 
     It shows the arm with muscles colored by activation, the reference posture as a ghost, the path
-    of the hand's tip, and the load (load_mass, kg), if there is one. Append #t=0.3 to the page's
+    of the hand's tip, and the load (load_mass, kg) and the obstacle, if there are any. Append #t=0.3 to the page's
     address to see the arm stand at 0.3 s.
     """
-    scene = ReplayScene(arm, load_mass)
+    scene = ReplayScene(arm, load_mass, obstacle)
     scene.draw_tip_path(recording.q)
     scene.frame_camera(np.vstack([recording.q, recording.reference_q]))
     scene.draw(recording, 0)

@@ -8,6 +8,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.model import Arm
+from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.skeleton import add_skeleton
 from drakearm.replay.skeleton_drawing import SkeletonDrawing
@@ -26,13 +27,15 @@ _MARGIN = 1.15
 class ReplayScene:
     """An arm in a Meshcat that ends with the scene; `draw` puts it where a recording says."""
 
-    def __init__(self, arm: Arm, load_mass: float = 0.0):
+    def __init__(self, arm: Arm, load_mass: float = 0.0, obstacle: Obstacle | None = None):
         """load_mass: kg, in the hand."""
         self._arm = arm
         self._plant = MultibodyPlant(time_step=0.0)
         scene_graph = SceneGraph()
         self._plant.RegisterAsSourceForSceneGraph(scene_graph)
         add_skeleton(self._plant, arm, load_mass)
+        if obstacle is not None:
+            add_obstacle(self._plant, obstacle)
         self._plant.Finalize()
         self._context = self._plant.CreateDefaultContext()
 

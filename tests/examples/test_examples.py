@@ -4,6 +4,7 @@ import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drakearm.experiments.run_folder import RunFolder
@@ -47,3 +48,11 @@ def test_policy_in_meshcat(tmp_path, capsys):
     train(ArmVectorEnv(task, 2), settings, seed=0, metadata={}).save(run.path("policy"))
     load("policy_in_meshcat").main(tmp_path, realtime_rate=0.0)
     assert "http://localhost" in capsys.readouterr().out
+
+
+def test_own_cost(capsys):
+    plan = load("own_cost").main()
+    printed = dict(line.split() for line in capsys.readouterr().out.splitlines())
+    assert list(printed) == ["held_joint", "torque_rate", "posture", "power"]
+    power = np.sum(plan.v * plan.tau, axis=1)
+    assert float(printed["power"]) == pytest.approx(0.01 * np.trapezoid(power**2, plan.t), rel=0.01)

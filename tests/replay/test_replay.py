@@ -2,17 +2,23 @@
 
 import re
 import shutil
+import struct
 import subprocess
 from base64 import b64decode
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from pydrake.geometry import Meshcat, MeshcatParams
 
+from drakearm.diagrams import MakePolicyLoop, MakeStaticLoop
+from drakearm.experiments.scenario import load_scenario
 from drakearm.model import Arm, load_arm
+from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
-from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.replay import write_replay
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
@@ -50,6 +56,29 @@ def page(arm: Arm, recording: Recording, tmp_path_factory: pytest.TempPathFactor
     file = tmp_path_factory.mktemp("replay") / "replay.html"
     write_replay(file, arm, recording, load_mass=2.0, title="Lift <2 kg>")
     return file
+
+
+def test_the_obstacle_stands_in_the_world_and_has_no_ghost(arm: Arm, recording: Recording, tmp_path: Path) -> None:
+    obstacle = Obstacle(position=(0.33, 0.25, 0.17), radius=0.03, length=0.25)
+    write_replay(tmp_path / "replay.html", arm, recording, obstacle=obstacle)
+    shapes = [c for c in _commands(tmp_path / "replay.html") if b"CylinderGeometry" in c and b"/arm/world/" in c]
+    bars = [c for c in shapes if struct.pack(">d", 0.03) in c and struct.pack(">d", 0.25) in c]
+    assert len(bars) == 1
+    assert not [c for c in _commands(tmp_path / "replay.html") if b"/reference/world" in c]
+
+
+@pytest.mark.parametrize(
+    "make",
+    [lambda task, meshcat: MakePolicyLoop(task, lambda _: np.zeros(14), meshcat), MakeStaticLoop],
+    ids=["policy", "static"],
+)
+def test_a_loop_that_is_drawn_live_shows_the_obstacle(make: Callable, reference: Reference) -> None:
+    params = MeshcatParams()
+    params.host, params.port = "localhost", 0
+    meshcat = Meshcat(params)
+    diagram = make(load_scenario("obstacle").task(reference), meshcat=meshcat).diagram
+    diagram.ForcedPublish(diagram.CreateDefaultContext())
+    assert meshcat.HasPath("/drake/visualizer/obstacle")
 
 
 def _commands(page: Path) -> list[bytes]:

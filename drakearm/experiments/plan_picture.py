@@ -1,0 +1,213 @@
+"""A picture of a plan: what the joints do, where the hand goes and what it takes of the muscles."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from drakearm.experiments.plan_report import PlanReport
+from drakearm.experiments.side_view import SideView
+from drakearm.planning.feasibility import NEGLIGIBLE
+from drakearm.systems.muscle_visualizer import activation_color
+
+# Okabe and Ito's colors, which color-blind readers can tell apart
+_JOINT_COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")
+_ABLE, _LACK, _OBSTACLE, _NEAREST = "#00734F", "#CC0A1A", "#CC5C3D", "#009480"
+_HAND, _ARM, _HELD = "#F28C0D", "#2B3440", "#F1F3F6"
+_NEAR = 0.15  # of the height of a panel: limits that a joint stays further away from are told, not drawn
+_FONT = 10
+_DPI = 100
+
+
+def write_plan_picture(report: PlanReport, file: Path) -> None:
+    """Draws the plan into a .png."""
+    draw_plan(report).savefig(file, dpi=_DPI)
+
+
+def draw_plan(report: PlanReport) -> Figure:
+    """Angles, speeds and torques over time on the left; the arm from the side and its activations on the right."""
+    figure = Figure(figsize=(13.5, 9.2), facecolor="white")
+    left = figure.add_gridspec(3, 1, left=0.065, right=0.485, top=0.83, bottom=0.065, hspace=0.32)
+    right = figure.add_gridspec(2, 1, left=0.58, right=0.975, top=0.83, bottom=0.065, hspace=0.3, height_ratios=(3, 2))
+    rows = [figure.add_subplot(left[i]) for i in range(3)]
+    _draw_angles(rows[0], report)
+    _draw_speeds(rows[1], report)
+    _draw_torques(rows[2], report)
+    rows[0].legend(loc="best", fontsize=_FONT - 1, framealpha=0.7, edgecolor="none")
+    for panel in rows:
+        _finish_time_axis(panel, report)
+    rows[2].set_xlabel("time (s)", fontsize=_FONT)
+    _draw_arm(figure.add_subplot(right[0]), report)
+    _draw_activations(figure.add_subplot(right[1]), report)
+    _head(figure, report)
+    return figure
+
+
+def _draw_angles(panel: Axes, report: PlanReport) -> None:
+    angles = np.rad2deg(report.plan.reference.q)
+    _by_joint(panel, report, angles, np.rad2deg(report.plan.q))
+    for j, target in enumerate(report.scenario.movement.target_deg):
+        panel.plot(report.plan.t[-1], target, marker="D", markersize=7, fillstyle="none", color=_color(j), zorder=3)
+    lowest, highest = (np.rad2deg(limit) for limit in report.angle_limits)
+    _title(panel, "joint angles (°), ◇ target", _draw_limits(panel, report, angles, lowest, highest, "°"))
+
+
+def _draw_speeds(panel: Axes, report: PlanReport) -> None:
+    speeds = report.plan.reference.v
+    _by_joint(panel, report, speeds, report.plan.v)
+    limit = np.array(report.scenario.movement.speed_limit)
+    _title(panel, "joint speeds (rad/s)", _draw_limits(panel, report, speeds, -limit, limit, " rad/s"))
+
+
+def _draw_torques(panel: Axes, report: PlanReport) -> None:
+    """The torques, and between them and what the muscles can exert what is missing."""
+    feasibility, torques = report.feasibility, report.plan.reference.tau
+    _by_joint(panel, report, torques, report.plan.tau)
+    limit = np.array(report.scenario.movement.torque_limit)
+    _title(panel, "joint torques (Nm)", _draw_limits(panel, report, torques, -limit, limit, " Nm"))
+    lacks = []
+    for j, name in enumerate(feasibility.coordinates):
+        lack = np.where(np.abs(feasibility.reserve[:, j]) > NEGLIGIBLE, feasibility.reserve[:, j], 0.0)
+        if lack.any():
+            lacks.append(panel.fill_between(feasibility.t, torques[:, j] - lack, torques[:, j]))
+            lacks[-1].set(facecolor=(_color(j), 0.28), edgecolor=_LACK, linewidth=0, hatch="////")
+            lacks[-1].set_label(f"{name}: the muscles lack up to {np.abs(lack).max():.3g} Nm")
+    if lacks:
+        low, high = panel.get_ylim()
+        panel.set_ylim(low, high + 0.1 * (1 + len(lacks)) * (high - low))  # room for the legend
+        panel.legend(handles=lacks, loc="upper center", fontsize=_FONT - 1, frameon=False)
+
+
+def _by_joint(panel: Axes, report: PlanReport, samples: np.ndarray, knots: np.ndarray) -> None:
+    """A line a joint through the samples (N, n_q) of the reference, with a dot at each knot (K, n_q)."""
+    for j, name in enumerate(report.feasibility.coordinates):
+        panel.plot(report.plan.reference.t, samples[:, j], color=_color(j), linewidth=2.0, label=name)
+        panel.plot(report.plan.t, knots[:, j], ".", color=_color(j), markersize=5)
+
+
+def _color(joint: int) -> str:
+    return _JOINT_COLORS[joint % len(_JOINT_COLORS)]
+
+
+def _draw_limits(
+    panel: Axes, report: PlanReport, samples: np.ndarray, lowest: np.ndarray, highest: np.ndarray, unit: str
+) -> str:
+    """Draws those of the limits (n_q,) that a joint comes near, and returns all of them as text."""
+    panel.margins(y=0.08)
+    room = _NEAR * np.ptp(panel.get_ylim())
+    near_lowest, near_highest = lowest >= samples.min(axis=0) - room, highest <= samples.max(axis=0) + room
+    for bounds, near in ((lowest, near_lowest), (highest, near_highest)):
+        for j in np.flatnonzero(near).tolist():
+            dashes = (4.0 * j, (4, 4))  # so that two joints' dashes alternate
+            panel.axhline(bounds[j], color=_color(j), linewidth=1.2, linestyle=dashes, zorder=1)
+    drawn = "- - " if near_lowest.any() or near_highest.any() else ""
+    if np.ptp(highest) == 0.0 and np.all(lowest == -highest):
+        return f"{drawn}limits ±{highest[0]:g}{unit}"
+    each = zip(report.feasibility.coordinates, lowest, highest, strict=True)
+    return f"{drawn}limits: " + ", ".join(f"{name} {low:g} to {high:g}{unit}" for name, low, high in each)
+
+
+def _title(panel: Axes, title: str, limits: str) -> None:
+    panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold")
+    panel.set_title(limits, loc="right", fontsize=_FONT - 0.5, color="#555555")
+
+
+def _finish_time_axis(panel: Axes, report: PlanReport) -> None:
+    """The time of rest after the movement's end is gray."""
+    end, last = report.plan.t[-1], report.plan.reference.t[-1]
+    panel.axhline(0.0, color="black", linewidth=0.7, zorder=0.5)
+    panel.axvspan(end, last, color=_HELD, zorder=0)
+    panel.set_xlim(0.0, last)
+    panel.grid(color="#DDDDDD", linewidth=0.6)
+    panel.set_axisbelow(True)
+    panel.spines[["top", "right"]].set_visible(False)
+    panel.tick_params(labelsize=_FONT)
+
+
+def _draw_arm(panel: Axes, report: PlanReport) -> None:
+    """Sticks of the arm at a few even times, the hand's way, and how near the obstacle comes."""
+    reference, obstacle = report.plan.reference, report.scenario.obstacle
+    view = SideView(report.arm, obstacle)
+    end = int(np.searchsorted(reference.t, report.plan.t[-1] - 1e-9))
+    for k in np.unique(np.linspace(0, end, 6).round().astype(int)):
+        stick = view.stick(reference.q[k])
+        shade = 0.25 + 0.6 * k / max(end, 1)
+        panel.plot(*stick.T, "-", color=_ARM, alpha=shade, linewidth=2.5, solid_capstyle="round", zorder=2)
+        panel.plot(*stick[:-1].T, "o", color=_ARM, alpha=shade, markersize=5, zorder=2)
+    hand = np.array([view.stick(q)[-1] for q in reference.q])
+    forward = 1 if hand[end, 0] >= hand[0, 0] else -1  # the times stand before and behind the hand's way
+    for k, side in ((0, -forward), (end, forward)):
+        text, sideways = f"{reference.t[k]:.2f} s", "left" if side > 0 else "right"
+        panel.annotate(text, hand[k], (7 * side, -4), textcoords="offset points", ha=sideways, fontsize=_FONT - 1)
+    panel.plot(*hand.T, color=_HAND, linewidth=2.5, zorder=4, label="way of the hand")
+    title = "the arm from the side (m)"
+    found = report.plan.verification
+    if obstacle is not None and found.nearest_time is not None and found.clearance is not None:
+        x, y = view.project(np.array(obstacle.position))
+        panel.add_patch(Circle((x, y), obstacle.radius, color=_OBSTACLE, zorder=3))
+        nearest = np.array([np.interp(found.nearest_time, reference.t, angles) for angles in reference.q.T])
+        for a, b, radius in view.outline(nearest):
+            panel.fill(*_capsule(a, b, radius).T, color=_NEAREST, alpha=0.35, linewidth=0, zorder=2.5)
+        title += f", nearest at {found.nearest_time:.2f} s: {100 * found.clearance:.2g} cm"
+    panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold")
+    panel.margins(0.08)
+    panel.set_aspect("equal", adjustable="datalim")
+    panel.legend(loc="best", fontsize=_FONT - 1, framealpha=0.7, edgecolor="none")
+    panel.grid(color="#DDDDDD", linewidth=0.6)
+    panel.set_axisbelow(True)
+    panel.spines[["top", "right"]].set_visible(False)
+    panel.tick_params(labelsize=_FONT)
+
+
+def _capsule(a: np.ndarray, b: np.ndarray, radius: float) -> np.ndarray:
+    """The edge (N, 2) of everything within a radius of the line from a to b."""
+    along = np.arctan2(*(b - a)[::-1])
+    half = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 24)
+    arcs = [(b, along + half), (a, along + np.pi + half)]
+    return np.vstack([end + radius * np.column_stack([np.cos(turn), np.sin(turn)]) for end, turn in arcs])
+
+
+def _draw_activations(panel: Axes, report: PlanReport) -> None:
+    """What static optimization asks of each muscle; where even this is not enough, a red bar at the top."""
+    feasibility = report.feasibility
+    names = report.arm.muscle_names
+    colors = ListedColormap(activation_color(np.linspace(0.0, 1.0, 256)))
+    half = 0.5 * (feasibility.t[1] - feasibility.t[0])
+    extent = (feasibility.t[0] - half, feasibility.t[-1] + half, len(names) - 0.5, -0.5)
+    cells = feasibility.activation.T
+    image = panel.imshow(cells, cmap=colors, aspect="auto", interpolation="nearest", extent=extent, vmin=0.0, vmax=1.0)
+    lacking = np.abs(feasibility.reserve).max(axis=1) > NEGLIGIBLE
+    title = "activations needed"
+    if lacking.any():
+        above = panel.get_xaxis_transform()
+        panel.fill_between(feasibility.t, 1.01, 1.05, where=lacking, color=_LACK, transform=above, clip_on=False)
+        title += ", red bar: not enough"
+    panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold", pad=12)
+    panel.set_yticks(range(len(names)), names)
+    panel.set_xlabel("time (s)", fontsize=_FONT)
+    panel.set_xlim(0.0, feasibility.t[-1])
+    panel.tick_params(labelsize=_FONT - 1, length=2)
+    bar = panel.figure.colorbar(image, ax=panel, pad=0.02, fraction=0.04)
+    bar.ax.tick_params(labelsize=_FONT - 1)
+
+
+def _head(figure: Figure, report: PlanReport) -> None:
+    """What was planned, how that went, and what the muscles make of it."""
+    plan, found, feasibility = report.plan, report.plan.verification, report.feasibility
+    costs = ", ".join(f"{name} {value:.3g}" for name, value in plan.costs.items())
+    load = f"Load {report.scenario.load_mass:g} kg. " if report.scenario.load_mass else ""
+    facts = (
+        f"{plan.solver}: {plan.status}, {plan.evaluations} evaluations, {plan.seconds:.2f} s. {load}"
+        f"Dots are the {len(plan.t)} knots. Costs: {costs}.\n"
+        f"Nearest to a limit: angle {np.rad2deg(found.angle_margin) + 0.0:.1f}°, speed {found.speed_margin:.3g} rad/s, "
+        f"torque {found.torque_margin:.3g} Nm. "
+        f"Equations of motion hold to {found.speed_defect:.1g} rad/s and {found.acceleration_defect:.1g} rad/s²."
+    )
+    figure.text(0.02, 0.985, report.scenario.name, fontsize=18, fontweight="bold", va="top")
+    figure.text(0.02, 0.948, report.scenario.description, fontsize=_FONT + 1, va="top")
+    color = _ABLE if feasibility.feasible else _LACK
+    figure.text(0.02, 0.926, feasibility.verdict, fontsize=_FONT + 1, va="top", color=color, fontweight="bold")
+    figure.text(0.02, 0.903, facts, fontsize=_FONT, va="top", color="#555555", linespacing=1.35)

@@ -1,0 +1,59 @@
+"""An arm seen from the side, flat: along the obstacle's axis, or across the plane in which the arm moves."""
+
+import numpy as np
+
+from drakearm.diagrams import MakeTorqueArm
+from drakearm.model import Arm
+from drakearm.model.obstacle import Obstacle
+
+Capsule2d = tuple[np.ndarray, np.ndarray, float]  # ends (2,) of a line and the radius of what surrounds it, m
+
+
+class SideView:
+    """Where the parts of an arm are in a picture, in m: to the right and up, seen from the world's positive side."""
+
+    def __init__(self, arm: Arm, obstacle: Obstacle | None = None):
+        self._arm = arm
+        self._obstacle = obstacle
+        self._plant = MakeTorqueArm(arm)
+        self._context = self._plant.CreateDefaultContext()
+        self._axes = self._right_and_up()
+
+    def _right_and_up(self) -> np.ndarray:
+        """The directions (2, 3) of the picture in the world."""
+        if self._obstacle is not None:
+            toward = self._obstacle.direction
+        else:  # the axis of the world that is nearest to that of the first joint
+            joint = self._plant.GetJointByName(self._arm.coordinates[0])
+            axis = joint.frame_on_parent().CalcPoseInWorld(self._context).rotation().multiply(joint.revolute_axis())
+            toward = np.eye(3)[np.abs(axis).argmax()]
+        toward = toward * np.sign(toward[np.abs(toward).argmax()])
+        up = -np.array(self._arm.gravity)
+        up = up - (up @ toward) * toward
+        if np.linalg.norm(up) < 1e-6:  # no gravity in the picture
+            up = np.cross(toward, np.eye(3)[np.abs(toward).argmin()])
+        up /= np.linalg.norm(up)
+        return np.array([np.cross(up, toward), up])
+
+    def project(self, point: np.ndarray) -> np.ndarray:
+        """A point (3,) of the world in the picture (2,)."""
+        return self._axes @ point
+
+    def stick(self, q: np.ndarray) -> np.ndarray:
+        """The joints and the tip of the hand (n_q + 1, 2) at joint angles q (n_q,), rad."""
+        self._plant.SetPositions(self._context, q)
+        frames = [self._plant.GetJointByName(name).frame_on_child() for name in self._arm.coordinates]
+        frames.append(self._plant.GetFrameByName(self._arm.tip_frame))
+        return np.array([self.project(frame.CalcPoseInWorld(self._context).translation()) for frame in frames])
+
+    def outline(self, q: np.ndarray) -> list[Capsule2d]:
+        """The capsules of the arm that an obstacle can meet, at joint angles q (n_q,), rad."""
+        self._plant.SetPositions(self._context, q)
+
+        def place(end: tuple) -> np.ndarray:
+            body, p_BP = end
+            return self.project(
+                self._plant.GetFrameByName(body).CalcPoseInWorld(self._context).multiply(np.array(p_BP))
+            )
+
+        return [(place(part.ends[0]), place(part.ends[1]), part.radius) for part in self._arm.outline]
