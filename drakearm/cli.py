@@ -95,6 +95,12 @@ def plan(
             "--out", help="Folder of the run; of all runs, if there are several. [default: runs]", show_default=False
         ),
     ] = None,
+    horizon: Annotated[
+        float | None,
+        typer.Option(
+            help="Plan anew every 40 ms, so many seconds ahead, as the paper does (it has 1.6).", show_default=False
+        ),
+    ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Find the optimal reference with direct collocation; writes scenario.yaml, reference.npz, plan.json and plan.png.
@@ -107,10 +113,10 @@ def plan(
     if len(names) == 1:
         run = _run_folder(names[0], out)
         run.claim(PLANNED, overwrite)
-        console.print(fact_table(plan_step(run, names[0])))
+        console.print(fact_table(plan_step(run, names[0], horizon)))
         console.print(f"open {run.path('plan_picture')} for the movement and its limits")
         return
-    results = _plan_several(names, out or Path("runs"), overwrite)
+    results = _plan_several(names, out or Path("runs"), overwrite, horizon)
     console.print(plans_table(results))
     console.print(f"open {out or 'runs'}/SCENARIO/{RunFolder.FILES['plan_picture']} for a movement and its limits")
     if any(isinstance(result, DrakearmError) for result in results.values()):
@@ -194,7 +200,9 @@ def _plan(run: RunFolder, scenario: str) -> None:
     console.print(report.feasibility.verdict)
 
 
-def _plan_several(scenarios: list[str], out: Path, overwrite: bool) -> dict[str, PlanReport | DrakearmError]:
+def _plan_several(
+    scenarios: list[str], out: Path, overwrite: bool, horizon: float | None
+) -> dict[str, PlanReport | DrakearmError]:
     """Plans each scenario into a folder of its name, and keeps the errors of those that cannot be planned."""
     runs: dict[str, tuple[str, RunFolder]] = {}
     for scenario in scenarios:
@@ -211,7 +219,7 @@ def _plan_several(scenarios: list[str], out: Path, overwrite: bool) -> dict[str,
         for name, (scenario, run) in runs.items():
             progress.update(bar, name=name)
             try:
-                results[name] = plan_step(run, scenario)
+                results[name] = plan_step(run, scenario, horizon)
             except DrakearmError as error:
                 results[name] = error
             progress.advance(bar)

@@ -29,11 +29,14 @@ from drakearm.replay import write_replay
 PLANNED = ("reference", "plan", "plan_picture")  # what `plan_step` writes, beside the scenario
 
 
-def plan_step(run: RunFolder, scenario: str | Path) -> PlanReport:
-    """Finds the optimal reference of a scenario, and whether the muscles can do it. Writes nothing where it fails."""
+def plan_step(run: RunFolder, scenario: str | Path, horizon: float | None = None) -> PlanReport:
+    """Finds the optimal reference of a scenario, and whether the muscles can do it. Writes nothing where it fails.
+
+    horizon: s, plans in a receding horizon (see `plan`).
+    """
     loaded = load_scenario(scenario)
     arm = load_arm(loaded.arm)
-    planned = plan(arm, loaded.movement, loaded.load_mass, loaded.obstacle)
+    planned = plan(arm, loaded.movement, loaded.load_mass, loaded.obstacle, horizon)
     feasibility = muscle_feasibility(arm, planned.reference, loaded.load_mass)
     report = PlanReport(run.keep_scenario(scenario), arm, planned, feasibility)
     planned.reference.save(run.path("reference"))

@@ -56,3 +56,9 @@ def test_own_cost(capsys):
     assert list(printed) == ["held_joint", "torque_rate", "posture", "power"]
     power = np.sum(plan.v * plan.tau, axis=1)
     assert float(printed["power"]) == pytest.approx(0.01 * np.trapezoid(power**2, plan.t), rel=0.01)
+
+
+def test_push_and_recover(capsys):
+    off = load("push_and_recover").main()
+    assert np.abs(off).max() < 0.02
+    assert len(capsys.readouterr().out.splitlines()) == 4
