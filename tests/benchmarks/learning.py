@@ -1,9 +1,9 @@
 """How fast the arm is to learn with, next to other simulators and Stable-Baselines3: prints a table.
 
-Run it with `python tests/benchmarks/learning.py`; it takes some minutes. Rows are of one core unless they say otherwise,
-and take turns, so that their ratios hold on a noisy machine. The others are scripts in the folder others/, each run in
-a process of its own, where their packages are installed: in this environment or in that of another interpreter, given
-with `--python elsewhere/bin/python`.
+Run it with `python tests/benchmarks/learning.py`; it takes some minutes. Rows are of one core unless they say
+otherwise, and take turns, so that their ratios hold on a noisy machine. The others are scripts in the folder others/,
+each run in a process of its own, where their packages are installed: in this environment or in that of another
+interpreter, given with `--python elsewhere/bin/python`.
 """
 
 import argparse
