@@ -9,7 +9,7 @@ from drakearm.diagrams import MakeTorqueArm
 from drakearm.model import Arm
 from drakearm.model.dynamics import forward_dynamics, read_dynamics
 from drakearm.planning import HeldJoint, Movement, Posture, Torque, TorqueRate, plan
-from drakearm.planning.guess import gravity_torque
+from drakearm.planning.torques import gravity_torque
 from tests.authors_pendulum import GRAVITY, LENGTHS, MASS, RODS, authors_pendulum, lighter
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "paper_reference" / "target_of_elbow_fixed_theta0.npy"
