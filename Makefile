@@ -17,9 +17,11 @@ demo: $(LINKED) ## plan, train, evaluate and replay one movement
 test: $(LINKED) ## all tests, in parallel
 	$(BIN)/pytest -n 2
 
-bench: $(LINKED) ## how fast and how accurate the muscle arm is
+bench: $(LINKED) ## how fast and how accurate, next to other packages where they are installed
 	$(BIN)/python tests/benchmarks/speed.py
 	$(BIN)/python tests/benchmarks/integration.py
+	$(BIN)/python tests/benchmarks/planning.py
+	$(BIN)/python tests/benchmarks/learning.py
 
 lint: $(LINKED) ## style and types
 	$(BIN)/ruff check .

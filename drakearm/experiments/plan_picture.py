@@ -200,7 +200,7 @@ def _head(figure: Figure, report: PlanReport) -> None:
     costs = ", ".join(f"{name} {value:.3g}" for name, value in plan.costs.items())
     load = f"Load {report.scenario.load_mass:g} kg. " if report.scenario.load_mass else ""
     facts = (
-        f"{plan.solver}: {plan.status}, {plan.evaluations} evaluations, {plan.seconds:.2f} s. {load}"
+        f"{plan.solver}: {plan.status}, {plan.iterations} iterations, {plan.seconds:.2f} s. {load}"
         f"Dots are the {len(plan.t)} knots. Costs: {costs}.\n"
         f"Nearest to a limit: angle {np.rad2deg(found.angle_margin) + 0.0:.1f}°, speed {found.speed_margin:.3g} rad/s, "
         f"torque {found.torque_margin:.3g} Nm. "

@@ -35,7 +35,7 @@ class PlanReport:
         return {
             "solver": plan.solver,
             "status": plan.status,
-            "evaluations": plan.evaluations,
+            "iterations": plan.iterations,
             "seconds": plan.seconds,
             "duration": float(plan.t[-1]),
             "costs": plan.costs,

@@ -10,7 +10,7 @@ from drakearm.errors import DrakearmError
 from drakearm.experiments.plan_report import PlanReport
 from drakearm.planning.feasibility import Feasibility
 
-_COLUMNS = ("scenario", "status", "s", "eval.", "angle\n°", "torque\nNm", "clear.\ncm", "muscles")
+_COLUMNS = ("scenario", "status", "s", "iter.", "angle\n°", "torque\nNm", "clear.\ncm", "muscles")
 
 
 def fact_table(report: PlanReport) -> Table:
@@ -18,7 +18,7 @@ def fact_table(report: PlanReport) -> Table:
     plan, found = report.plan, report.plan.verification
     costs = ", ".join(f"{name} {value:#.4g}" for name, value in plan.costs.items())
     table = Table(title=report.scenario.name, show_header=False)
-    table.add_row("solver", f"{plan.solver}: {plan.status}, {plan.evaluations} evaluations, {plan.seconds:.2f} s")
+    table.add_row("solver", f"{plan.solver}: {plan.status}, {plan.iterations} iterations, {plan.seconds:.2f} s")
     table.add_row("movement", f"{plan.t[-1]:.2f} s, {len(plan.t)} knots")
     table.add_row("costs", f"{costs}; in all {sum(plan.costs.values()):#.4g}")
     table.add_row(
@@ -55,7 +55,7 @@ def plans_table(results: Mapping[str, PlanReport | DrakearmError]) -> Table:
 
 
 _CAPTION = (
-    "eval.: the solver's evaluations. Angle, torque, clear.: margins to the nearest limit of any joint and to the "
+    "iter.: the solver's iterations. Angle, torque, clear.: margins to the nearest limit of any joint and to the "
     "obstacle, between the knots too. Muscles: the largest activation, or the torque that they lack."
 )
 
@@ -66,7 +66,7 @@ def _row(name: str, report: PlanReport) -> tuple[str, ...]:
         name,
         plan.status,
         f"{plan.seconds:.2f}",
-        f"{plan.evaluations}",
+        f"{plan.iterations}",
         _degrees(found.angle_margin),
         f"{found.torque_margin:.1f}",
         _clearance(report),

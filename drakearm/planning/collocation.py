@@ -18,6 +18,7 @@ from drakearm.errors import PlanningError
 from drakearm.model.motion import Motion
 from drakearm.planning.cost import CostPiece
 from drakearm.planning.diagnosis import explain
+from drakearm.planning.newton import newton_solver_name, solve_newton
 from drakearm.planning.problem import Problem
 
 _GUESS_COST = 10.0  # after scaling; tried: 3 to 100 take about as long
@@ -30,7 +31,7 @@ class Solution:
     motion: Motion
     solver: str
     status: str
-    evaluations: int
+    iterations: int
     costs: dict[str, float]
     t: np.ndarray
     q: np.ndarray
@@ -48,21 +49,25 @@ def solve(problem: Problem, costs: Sequence[CostPiece], what: str, cost_scale: f
     terms = [(cost.type, cost.add(problem)) for cost in costs]
     bindings = [binding for _, added in terms for binding in added]
     problem.scale_costs(bindings, cost_scale or guess_scale(problem, bindings))
-    solver, options = _choose_solver()
-    evaluations = _count_evaluations(problem)
-    result = solver.Solve(prog, prog.initial_guess(), options)
-    if not result.is_success():
-        raise PlanningError(
-            f"There is no plan {what}: {explain(problem, solver, result.get_x_val())} "
-            f"({solver_name()}: {_status(result)})."
-        )
+    result, iterations = solve_newton(problem)
+    name = newton_solver_name()
+    if result is None:
+        solver, options = _choose_solver()
+        name = solver.solver_id().name()
+        seen = _count_evaluations(problem)
+        result = solver.Solve(prog, prog.initial_guess(), options)
+        iterations += len(seen)
+        if not result.is_success():
+            raise PlanningError(
+                f"There is no plan {what}: {explain(problem, solver, result.get_x_val())} ({name}: {_status(result)})."
+            )
     motion = Motion(collocation.ReconstructStateTrajectory(result), collocation.ReconstructInputTrajectory(result))
     q, v = np.split(collocation.GetStateSamples(result).T, 2, axis=1)
     return Solution(
         motion=motion.later(problem.times[0]),
-        solver=solver_name(),
+        solver=name,
         status=_status(result),
-        evaluations=len(evaluations),
+        iterations=iterations,
         costs=_values(problem, terms, result.get_x_val()),
         t=problem.times,
         q=q,
@@ -111,11 +116,6 @@ def _choose_solver() -> tuple[SolverInterface, SolverOptions]:
     options.SetOption(IpoptSolver.id(), "tol", 1e-4)
     snopt = SnoptSolver()
     return (snopt if snopt.available() else IpoptSolver()), options
-
-
-def solver_name() -> str:
-    """Which solver plans."""
-    return _choose_solver()[0].solver_id().name()
 
 
 def _status(result: MathematicalProgramResult) -> str:

@@ -39,27 +39,27 @@ class HandPosition(CostPiece):
         self._check_reach(problem.skeleton)
 
         def cost(weight: float, knot: int) -> Binding:
-            return problem.add_cost(lambda q: self._error(q, problem.skeleton, weight), problem.q(knot))
+            return problem.add_squares(lambda q: self._error(q, problem.skeleton), weight, problem.q(knot))
 
         costs = [cost(self.running * share, k) for k, share in enumerate(problem.shares) if self.running > 0.0]
         return [*costs, cost(self.final, len(problem.times) - 1)]
 
-    def _error(self, q: np.ndarray, skeleton: Skeleton, weight: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    def _error(self, q: np.ndarray, skeleton: Skeleton) -> tuple[np.ndarray, np.ndarray]:
+        """How far the tip is from the point along each coordinate that matters, and the derivative by q."""
         position, jacobian = point_positions(q, skeleton.tip)
         along = [axis for axis, value in enumerate(self.position) if value is not None]
-        error = position[0, along] - np.array([self.position[axis] for axis in along])
-        return np.array([weight * error @ error]), 2.0 * weight * (error @ jacobian[0, along])[None, :]
+        return position[0, along] - np.array([self.position[axis] for axis in along]), jacobian[0, along]
 
     def _check_reach(self, skeleton: Skeleton) -> None:
         """Looks for joint angles within the limits that bring the tip there."""
 
-        def error(q: np.ndarray) -> tuple[float, np.ndarray]:
-            value, gradient = self._error(q, skeleton)
-            return float(value[0]), gradient[0]
+        def squared(q: np.ndarray) -> tuple[float, np.ndarray]:
+            error, jacobian = self._error(q, skeleton)
+            return float(error @ error), 2.0 * error @ jacobian
 
         bounds = list(zip(np.maximum(skeleton.lower, -np.pi), np.minimum(skeleton.upper, np.pi), strict=True))
         starts = product(*[(0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high) for low, high in bounds])
-        nearest = min(minimize(error, np.array(q), jac=True, bounds=bounds).fun for q in starts) ** 0.5
+        nearest = min(minimize(squared, np.array(q), jac=True, bounds=bounds).fun for q in starts) ** 0.5
         if nearest > _REACHED:
             raise PlanningError(
                 f"The hand position {list(self.position)} m is out of reach: within its joint limits the hand gets no "
@@ -84,13 +84,10 @@ class ObstacleDistance(CostPiece):
             raise PlanningError("A cost is of the distance to the obstacle: expected a scenario with an obstacle.")
         center, direction = np.array(obstacle.position), obstacle.direction
 
-        def squared(q: np.ndarray, weight: float) -> tuple[np.ndarray, np.ndarray]:
+        across = np.eye(3) - np.outer(direction, direction)
+
+        def away(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             position, jacobian = point_positions(q, problem.skeleton.tip)
-            away = position[0] - center
-            away = away - (away @ direction) * direction
-            return np.array([weight * away @ away]), 2.0 * weight * (away @ jacobian[0])[None, :]
+            return across @ (position[0] - center), across @ jacobian[0]
 
-        def cost(weight: float, knot: int) -> Binding:
-            return problem.add_cost(lambda q: squared(q, weight), problem.q(knot))
-
-        return [cost(self.weight * share, k) for k, share in enumerate(problem.shares)]
+        return [problem.add_squares(away, self.weight * share, problem.q(k)) for k, share in enumerate(problem.shares)]

@@ -13,7 +13,7 @@ from drakearm.model import Arm
 from drakearm.model.motion import Motion
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.planning.collocation import solve, solver_name
+from drakearm.planning.collocation import solve
 from drakearm.planning.guess import straight_guess
 from drakearm.planning.movement import Movement, in_degrees
 from drakearm.planning.receding_horizon import RecedingHorizon
@@ -69,7 +69,7 @@ def _plan(skeleton: Skeleton, movement: Movement) -> Plan:
         reference=make_reference(skeleton.plant, solution.motion.states, solution.motion.inputs, movement.hold),
         solver=solution.solver,
         status=solution.status,
-        evaluations=solution.evaluations,
+        iterations=solution.iterations,
         seconds=0.0,
         costs=solution.costs,
         verification=verification,
@@ -96,9 +96,9 @@ def _recede(skeleton: Skeleton, movement: Movement, load_mass: float, horizon: f
     check(verification, movement)
     return Plan(
         reference=reference,
-        solver=solver_name(),
+        solver=", ".join(sorted(planner.solvers)),
         status=f"{planner.solutions} solutions found",
-        evaluations=planner.evaluations,
+        iterations=planner.iterations,
         seconds=0.0,
         costs=planner.costs(motion, t),
         verification=verification,

@@ -26,6 +26,16 @@ class NamedConstraint:
     binding: Binding[Constraint]
 
 
+@dataclass(frozen=True)
+class Nonlinear:
+    """A differentiable function of some variables: either its square costs, or it has a least value."""
+
+    function: Differentiable
+    variables: np.ndarray
+    weight: float = 0.0  # of the sum of its values' squares
+    least: float | None = None
+
+
 @dataclass
 class Problem:
     """A collocation with knots at fixed times: what costs and constraints are added to.
@@ -39,6 +49,8 @@ class Problem:
     target: np.ndarray  # (n_q,) rad
     constraints: list[NamedConstraint] = field(default_factory=list)
     limits: list[NamedConstraint] = field(default_factory=list)
+    nonlinear: list[Nonlinear] = field(default_factory=list)  # squares and inequalities
+    only_squares: bool = True  # whether every cost is a sum of squares
     cost_scale: float = 1.0  # by which the solver's costs are larger than those asked for
 
     @property
@@ -65,8 +77,24 @@ class Problem:
         return self.collocation.input(knot)
 
     def add_cost(self, function: Differentiable, variables: np.ndarray) -> Binding[DrakeCost]:
-        """Adds a cost that is not quadratic; function: its value (1,) and gradient (1, n) at the variables (n,)."""
+        """Adds a cost of any form; function: its value (1,) and gradient (1, n) at the variables (n,).
 
+        Squares are better off with `add_squares`.
+        """
+        self.only_squares = False
+        return self._add_function(function, variables)
+
+    def add_squares(self, function: Differentiable, weight: float, variables: np.ndarray) -> Binding[DrakeCost]:
+        """Adds weight times the sum of a function's squares; function: values (m,) and Jacobian (m, n)."""
+
+        def cost(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            value, jacobian = function(x)
+            return np.array([weight * value @ value]), 2.0 * weight * (value @ jacobian)[None, :]
+
+        self.nonlinear.append(Nonlinear(function, variables, weight=weight))
+        return self._add_function(cost, variables)
+
+    def _add_function(self, function: Differentiable, variables: np.ndarray) -> Binding[DrakeCost]:
         def scaled(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             value, gradient = function(x)
             return self.cost_scale * value, self.cost_scale * gradient
@@ -99,6 +127,7 @@ class Problem:
             bounds = np.full(rows, least), np.full(rows, np.inf)
             binding = self.prog.AddConstraint(lambda x, f=clearance: _evaluate(f, x), *bounds, variables)
             self.constraints.append(NamedConstraint(name, "m", np.full(rows, time), binding))
+            self.nonlinear.append(Nonlinear(clearance, variables, least=least))
 
     def scale_costs(self, bindings: Sequence[Binding], scale: float) -> None:
         """Multiplies all costs, which are these bindings, by a scale: only the ratio of their weights matters."""

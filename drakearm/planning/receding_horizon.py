@@ -41,7 +41,8 @@ class RecedingHorizon:
         self._duration = movement.duration
         self._cost_scale = self._scale()
         self.solutions = 0
-        self.evaluations = 0
+        self.iterations = 0
+        self.solvers: set[str] = set()
 
     def __call__(self, time: float, arm_state: np.ndarray, before: Motion | None) -> Motion:
         """The motion from a state (2 n_q,) at a time (s) on; before: the one planned last, if any.
@@ -69,7 +70,8 @@ class RecedingHorizon:
         else:
             solution = solve(problem, movement.costs, f"at {time:.2f} s", self._cost_scale)
         self.solutions += 1
-        self.evaluations += solution.evaluations
+        self.iterations += solution.iterations
+        self.solvers.add(solution.solver)
         return solution.motion
 
     def _arrival(self, time: float, arm_state: np.ndarray, before: Motion | None) -> float:

@@ -15,7 +15,7 @@ class Plan:
     reference: Reference
     solver: str
     status: str
-    evaluations: int  # of the whole problem by the solver: its iterations and the steps that it shortened
+    iterations: int  # of the solver; SNOPT tells evaluations of the problem instead
     seconds: float  # to plan, all in all
     costs: dict[str, float]  # what each type of cost contributes
     verification: Verification

@@ -57,7 +57,7 @@ def numbers(out):
 def test_run_writes_every_file_and_prints_a_table(finished):
     out, printed = finished
     assert {file.name for file in out.iterdir()} == set(RunFolder.FILES.values())
-    for part in ("SNOPT", "solution found", "600 steps", "mean error", "shoulder", "elbow", "seed 3", "replay"):
+    for part in ("Gauss-Newton", "solution found", "600 steps", "mean error", "shoulder", "elbow", "seed 3", "replay"):
         assert part in printed, part
 
 
