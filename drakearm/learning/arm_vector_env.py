@@ -12,7 +12,7 @@ from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError
 from drakearm.learning.compiled_arm import rewards, step_arms
 from drakearm.model.dynamics import read_dynamics
-from drakearm.model.musculature import resting_state
+from drakearm.model.musculature import resting_states
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.systems.hill_muscles import RESTING_ACTIVATION
 from drakearm.systems.proprioception import LOOKAHEAD, observation_scales
@@ -34,7 +34,6 @@ class ArmVectorEnv(VectorEnv):
         plant, stops = systems.arm.plant, systems.arm.stops
         self.num_envs = num_envs
         self._task = task
-        self._start_posture = systems.StartPosture
         self._tables = (task.arm.muscle_table, task.arm.path_table, read_dynamics(plant))
         self._stops = (stops.lower, stops.upper, stops.stiffness, stops.damping)
         self._weights = task.reward.arrays()
@@ -74,7 +73,7 @@ class ArmVectorEnv(VectorEnv):
                 f"expected {self.num_envs} times {self._n} finite excitations."
             )
         muscles, paths, dynamics = self._tables
-        step_arms(
+        acceleration = step_arms(
             self._arm_state,
             self._muscle_state,
             self._torque,
@@ -88,7 +87,7 @@ class ArmVectorEnv(VectorEnv):
         )
         self._steps += 1
         reference_q, reference_v = self._wanted()
-        reward = rewards(self._arm_state, self._torque, reference_q, reference_v, self._weights, dynamics)
+        reward = rewards(self._arm_state, acceleration, reference_q, reference_v, self._weights)
         truncated = self._steps >= len(self._preview) - 1
         info = self._info(np.ones(self.num_envs, dtype=bool))
         observation = self._observe()
@@ -99,10 +98,11 @@ class ArmVectorEnv(VectorEnv):
         return observation, reward, np.zeros_like(truncated), truncated, info
 
     def _restart(self, which: np.ndarray) -> None:
-        for k in np.flatnonzero(which):
-            q = self._start_posture(self._generators[k])
-            self._arm_state[k] = np.concatenate([q, np.zeros_like(q)])
-            self._muscle_state[k], self._torque[k] = resting_state(self._task.arm, q, RESTING_ACTIVATION)
+        normals = np.array([self._generators[k].standard_normal(self._n_q) for k in np.flatnonzero(which)])
+        start, noise = self._task.reference.q[0], self._task.start_noise  # as in TaskSystems.StartPosture
+        q = np.clip(start + noise * normals, self._stops[0], self._stops[1])
+        self._arm_state[which] = np.hstack([q, np.zeros_like(q)])
+        self._muscle_state[which], self._torque[which] = resting_states(self._task.arm, q, RESTING_ACTIVATION)
         self._steps[which] = 0
 
     def _wanted(self) -> tuple[np.ndarray, np.ndarray]:
@@ -123,8 +123,12 @@ class ArmVectorEnv(VectorEnv):
             "arm_state": self._arm_state,
             "reference": self._preview[self._steps],
         }
-        sensed = np.hstack([senses[name] for name in self._senses])
-        return (sensed * self._scale).astype(np.float32)
+        observation, first = np.empty((self.num_envs, len(self._scale)), np.float32), 0
+        for name in self._senses:
+            last = first + senses[name].shape[1]
+            np.multiply(senses[name], self._scale[first:last], out=observation[:, first:last], casting="same_kind")
+            first = last
+        return observation
 
     def _info(self, told: np.ndarray) -> dict[str, Any]:
         info = {

@@ -2,50 +2,105 @@
 
 Skeleton, muscles and stops are those of the Diagram: equations of motion read off the plant, and the same compiled
 functions that the systems call. The integrator is Drake's explicit trapezoidal rule (RungeKutta2Integrator), as in
-`MakeSimulator`.
+`MakeSimulator`. Arms are taken LANES at a time, side by side: in every working array the arm is the last index, so that
+one vector instruction serves several arms.
 """
 
 import numpy as np
 
-from drakearm.model.dynamics import forward_dynamics
-from drakearm.model.joint_stops import held_stop_torque
-from drakearm.model.musculature import muscle_step
+from drakearm.model.dynamics import forward_dynamics_lanes, make_dynamics_lanes
+from drakearm.model.joint_stops import one_stop_torque
+from drakearm.model.musculature import make_muscle_lanes, step_muscle_lanes
 from drakearm.model.tracking import tracking_reward
 from drakearm.muscle.compiled import compiled
+
+LANES = 64
 
 
 @compiled
 def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, muscles, paths, dynamics, stops):
-    """Advances N arms in place by a number of time steps with their excitations held.
+    """Advances N arms in place by a number of time steps with their excitations held; returns their accelerations.
 
     arm_state: (N, 2 n_q), q and v. muscle_state: (N, 4 n), see `muscle_step`. torque: (N, n_q), written: what muscles
-    and stops exert in the last time step. excitation: (N, n). stops: lower and upper limits, stiffness and damping.
+    and stops exert in the last time step. excitation: (N, n). dynamics: of one skeleton, or of one for each arm (see
+    `stack_dynamics`). stops: lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the
+    end, with this torque.
     """
-    n_q = torque.shape[1]
+    count, n_q = torque.shape
     lower, upper, stiffness, damping = stops
-    stop = np.empty(n_q)
-    for k in range(len(arm_state)):
-        x, tau = arm_state[k], torque[k]
+    acceleration = np.empty((count, n_q))
+    lanes = -1
+    for begin in range(0, count, LANES):
+        if lanes != min(LANES, count - begin):
+            lanes = min(LANES, count - begin)
+            x, state, u = (
+                np.empty((2 * n_q, lanes)),
+                np.empty((4 * len(muscles), lanes)),
+                np.empty((len(muscles), lanes)),
+            )
+            tau, a, later_x, later_a = (
+                np.empty((n_q, lanes)),
+                np.empty((n_q, lanes)),
+                np.empty((2 * n_q, lanes)),
+                np.empty((n_q, lanes)),
+            )
+            skeleton = make_dynamics_lanes(dynamics, n_q, lanes)
+            work = make_muscle_lanes(muscles, paths, n_q, lanes)
+        _gather(arm_state, begin, x)
+        _gather(muscle_state, begin, state)
+        _gather(excitation, begin, u)
         for _ in range(steps):
-            q, v = x[:n_q], x[n_q:]
-            held_stop_torque(stop, x, time_step, lower, upper, stiffness, damping)
-            muscle_step(muscle_state[k], tau, excitation[k], x, time_step, muscles, paths)
-            tau += stop
-            a = forward_dynamics(q, v, tau, dynamics)
-            later_q, later_v = q + time_step * v, v + time_step * a
-            later_a = forward_dynamics(later_q, later_v, tau, dynamics)
-            q += 0.5 * time_step * (v + later_v)
-            v += 0.5 * time_step * (a + later_a)
+            step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, work)
+            for j in range(n_q):
+                for k in range(lanes):
+                    q = x[j, k] + 0.5 * time_step * x[n_q + j, k]
+                    tau[j, k] += one_stop_torque(q, x[n_q + j, k], lower[j], upper[j], stiffness, damping)
+                    a[j, k] = tau[j, k]
+                    later_a[j, k] = tau[j, k]
+            forward_dynamics_lanes(x, a, dynamics, skeleton)
+            for j in range(n_q):
+                for k in range(lanes):
+                    later_x[j, k] = x[j, k] + time_step * x[n_q + j, k]
+                    later_x[n_q + j, k] = x[n_q + j, k] + time_step * a[j, k]
+            forward_dynamics_lanes(later_x, later_a, dynamics, skeleton)
+            for j in range(n_q):
+                for k in range(lanes):
+                    x[j, k] += 0.5 * time_step * (x[n_q + j, k] + later_x[n_q + j, k])
+                    x[n_q + j, k] += 0.5 * time_step * (a[j, k] + later_a[j, k])
+        for j in range(n_q):
+            for k in range(lanes):
+                a[j, k] = tau[j, k]
+        forward_dynamics_lanes(x, a, dynamics, skeleton)
+        _scatter(x, begin, arm_state)
+        _scatter(state, begin, muscle_state)
+        _scatter(tau, begin, torque)
+        _scatter(a, begin, acceleration)
+    return acceleration
 
 
 @compiled
-def rewards(arm_state, torque, reference_q, reference_v, weights, dynamics):
-    """Rewards (N,) of N arms where they are, see `tracking_reward`; torque, reference_q, reference_v: (N, n_q)."""
-    n_q = torque.shape[1]
+def _gather(arms, begin, rows):
+    """Copies the arms (N, size) from `begin` on into rows (size, lanes)."""
+    for k in range(rows.shape[1]):
+        for i in range(rows.shape[0]):
+            rows[i, k] = arms[begin + k, i]
+
+
+@compiled
+def _scatter(rows, begin, arms):
+    """Copies rows (size, lanes) back into the arms (N, size) from `begin` on."""
+    for k in range(rows.shape[1]):
+        for i in range(rows.shape[0]):
+            arms[begin + k, i] = rows[i, k]
+
+
+@compiled
+def rewards(arm_state, acceleration, reference_q, reference_v, weights):
+    """Rewards (N,) of N arms where they are, see `tracking_reward`; the other arrays (N, n_q)."""
+    n_q = acceleration.shape[1]
     w_q, w_v, w_a = weights
     reward = np.empty(len(arm_state))
     for k in range(len(arm_state)):
         q, v = arm_state[k, :n_q], arm_state[k, n_q:]
-        a = forward_dynamics(q, v, torque[k], dynamics)
-        reward[k] = tracking_reward(q, v, a, reference_q[k], reference_v[k], w_q, w_v, w_a)
+        reward[k] = tracking_reward(q, v, acceleration[k], reference_q[k], reference_v[k], w_q, w_v, w_a)
     return reward

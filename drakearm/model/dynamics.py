@@ -12,7 +12,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import compiled, inlined
+from drakearm.muscle.elementary import sincos
 
 _ANGLES = 2.0 * np.pi / 5.0 * np.arange(5)
 _NEGLIGIBLE = 1e-14  # of the largest coefficient
@@ -34,6 +35,16 @@ class DynamicsTable(NamedTuple):
     gravity_coefficient: np.ndarray  # (G,)
 
 
+class DynamicsLanes(NamedTuple):
+    """Working memory of `forward_dynamics_lanes`, and the coefficients of the skeleton in each lane."""
+
+    mass_coefficient: np.ndarray  # (K, lanes)
+    gravity_coefficient: np.ndarray  # (G, lanes)
+    basis: np.ndarray  # (n_q, 5, lanes), the five functions of every joint angle
+    term: np.ndarray  # (lanes,)
+    mass: np.ndarray  # (n_q, n_q, lanes), upper triangle
+
+
 def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
     """The table of a finalized plant that is a chain of revolute joints. Raises ArmError for any other plant."""
     n_q = plant.num_positions()
@@ -51,7 +62,7 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
     gravity_terms = np.linalg.solve(design, np.array(gravity))
     m, entry = np.nonzero(np.abs(mass_terms) > _NEGLIGIBLE * np.abs(mass_terms).max())
     g, coordinate = np.nonzero(np.abs(gravity_terms) > _NEGLIGIBLE * np.abs(gravity_terms).max())
-    table = DynamicsTable(
+    arrays = (
         np.stack([rows[entry], columns[entry]], axis=1),
         bases[m],
         mass_terms[m, entry],
@@ -59,6 +70,7 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
         bases[g],
         gravity_terms[g, coordinate],
     )
+    table = DynamicsTable(*(np.ascontiguousarray(array) for array in arrays))
     _check(plant, context, table)
     return table
 
@@ -80,51 +92,111 @@ def _basis(q: np.ndarray) -> np.ndarray:
 
 
 @compiled
-def _values_and_slopes(q):
-    """The five functions of every joint angle and their derivatives, each (n_q, 5)."""
-    values, slopes = np.empty((len(q), 5)), np.empty((len(q), 5))
-    for j in range(len(q)):
-        c, s = np.cos(q[j]), np.sin(q[j])
-        c2, s2 = c * c - s * s, 2.0 * c * s
-        values[j] = (1.0, c, s, c2, s2)
-        slopes[j] = (0.0, -s, c, -2.0 * s2, 2.0 * c2)
-    return values, slopes
+def make_dynamics_lanes(dynamics, n_q, lanes):
+    """Working memory for `lanes` skeletons with the coefficients of this one."""
+    mass_terms, gravity_terms = len(dynamics.mass_entry), len(dynamics.gravity_entry)
+    mass_coefficient, gravity_coefficient = np.empty((mass_terms, lanes)), np.empty((gravity_terms, lanes))
+    for k in range(lanes):
+        for t in range(mass_terms):
+            mass_coefficient[t, k] = dynamics.mass_coefficient[t]
+        for t in range(gravity_terms):
+            gravity_coefficient[t, k] = dynamics.gravity_coefficient[t]
+    basis, term, mass = np.empty((n_q, 5, lanes)), np.empty(lanes), np.empty((n_q, n_q, lanes))
+    return DynamicsLanes(mass_coefficient, gravity_coefficient, basis, term, mass)
 
 
 @compiled
 def forward_dynamics(q, v, tau, dynamics):
     """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau: M a = tau + gravity - Coriolis."""
     n_q = len(q)
-    values, slopes = _values_and_slopes(q)
-    mass = np.zeros((n_q, n_q))
-    force = tau.copy()
-    for k in range(len(dynamics.gravity_entry)):
-        term = dynamics.gravity_coefficient[k]
-        for j in range(n_q):
-            term *= values[j, dynamics.gravity_basis[k, j]]
-        force[dynamics.gravity_entry[k]] += term
-    for k in range(len(dynamics.mass_entry)):
-        row, column = dynamics.mass_entry[k, 0], dynamics.mass_entry[k, 1]
-        basis, coefficient = dynamics.mass_basis[k], dynamics.mass_coefficient[k]
-        term = coefficient
-        for j in range(n_q):
-            term *= values[j, basis[j]]
-        mass[row, column] += term
-        if column != row:
-            mass[column, row] += term
+    work = make_dynamics_lanes(dynamics, n_q, 1)
+    state, a = np.empty((2 * n_q, 1)), np.empty(n_q)
+    for j in range(n_q):
+        state[j, 0], state[n_q + j, 0], a[j] = q[j], v[j], tau[j]
+    forward_dynamics_lanes(state, a.reshape(-1, 1), dynamics, work)
+    return a
+
+
+@compiled
+def forward_dynamics_lanes(state, force, dynamics, work):
+    """`forward_dynamics` for skeletons side by side: turns torques (n_q, lanes) into accelerations, in place.
+
+    state: q and v, (2 n_q, lanes).
+    """
+    mass_coefficient, gravity_coefficient, basis, term, mass = work
+    n_q, lanes = force.shape
+    for j in range(n_q):
+        for k in range(lanes):
+            s, c = sincos(state[j, k])
+            basis[j, 1, k] = c
+            basis[j, 2, k] = s
+            basis[j, 3, k] = c * c - s * s
+            basis[j, 4, k] = 2.0 * c * s
+    for g in range(len(gravity_coefficient)):
+        entry = dynamics.gravity_entry[g]
+        _term(g, gravity_coefficient, dynamics.gravity_basis, -1, basis, term)
+        for k in range(lanes):
+            force[entry, k] += term[k]
+    mass[:] = 0.0
+    for t in range(len(mass_coefficient)):
+        row, column = dynamics.mass_entry[t, 0], dynamics.mass_entry[t, 1]
+        _term(t, mass_coefficient, dynamics.mass_basis, -1, basis, term)
+        for k in range(lanes):
+            mass[row, column, k] += term[k]
         for i in range(n_q):  # Christoffel: minus dM_jk/dq_i v_i v_k for force j, plus half of it for force i
-            if basis[i] == 0:
+            if dynamics.mass_basis[t, i] == 0:
                 continue
-            slope = coefficient
-            for j in range(n_q):
-                slope *= slopes[j, basis[j]] if j == i else values[j, basis[j]]
-            force[row] -= slope * v[i] * v[column]
+            _term(t, mass_coefficient, dynamics.mass_basis, i, basis, term)
+            _add_product(force, row, -1.0, term, state, n_q + i, n_q + column)
             if column != row:
-                force[column] -= slope * v[i] * v[row]
-                force[i] += slope * v[row] * v[column]
+                _add_product(force, column, -1.0, term, state, n_q + i, n_q + row)
+                _add_product(force, i, 1.0, term, state, n_q + row, n_q + column)
             else:
-                force[i] += 0.5 * slope * v[row] * v[column]
-    return solve(mass, force)
+                _add_product(force, i, 0.5, term, state, n_q + row, n_q + column)
+    _solve_lanes(mass, force)
+
+
+@compiled
+def _term(t, coefficient, bases, by, basis, term):
+    """Writes term t of a table (lanes,), differentiated by the angle of joint `by` unless that is -1."""
+    for k in range(len(term)):
+        term[k] = coefficient[t, k]
+    for j in range(bases.shape[1]):
+        b, factor = bases[t, j], 1.0
+        if b == 0:
+            continue
+        if j == by:  # cos' = -sin, sin' = cos, and twice that for the double angle
+            factor = (0.0, -1.0, 1.0, -2.0, 2.0)[b]
+            b = (0, 2, 1, 4, 3)[b]
+        for k in range(len(term)):
+            term[k] *= factor * basis[j, b, k]
+
+
+@inlined
+def _add_product(force, row, factor, term, state, i, j):
+    for k in range(len(term)):
+        force[row, k] += factor * term[k] * state[i, k] * state[j, k]
+
+
+@compiled
+def _solve_lanes(mass, force):
+    """Solves mass * a = force in every lane; mass: upper triangle. Both are overwritten."""
+    n, lanes = force.shape
+    for i in range(n):
+        for k in range(lanes):
+            mass[i, i, k] = 1.0 / mass[i, i, k]
+        for j in range(i + 1, n):
+            for c in range(j, n):
+                for k in range(lanes):
+                    mass[j, c, k] -= mass[i, j, k] * mass[i, i, k] * mass[i, c, k]
+            for k in range(lanes):
+                force[j, k] -= mass[i, j, k] * mass[i, i, k] * force[i, k]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            for k in range(lanes):
+                force[i, k] -= mass[i, j, k] * force[j, k]
+        for k in range(lanes):
+            force[i, k] *= mass[i, i, k]
 
 
 @compiled

@@ -6,59 +6,156 @@ disagree.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import compiled, inlined
 
-_CLOSING = -1.0  # in place of the muscle: this row only says where the row before it ends
+_LEAST_ORDER = 4  # coefficients of a piece: room for those of a cubic spline, and for the four numbers of a header
 
 
 def make_path_table(terms: list[tuple[int, int, BSpline]]) -> np.ndarray:
     """The splines of (muscle, coordinate, spline) terms as polynomial pieces, for the compiled functions.
 
-    Each row is a piece: muscle, coordinate, start (rad), and the coefficients c_j (m) of sum_j c_j (q - start)^j. The
-    rows of a term follow each other; a row with muscle -1 closes it. Spline degrees may differ. It is one array because
-    each further argument would cost a call from Python as much as ten splines.
+    A term begins with a header row: muscle, coordinate, number of knots, and 1 if coordinate and knots are those of the
+    term before. A row for each knot follows: the knot (rad), and the coefficients c_j (m) of the piece that begins
+    there, sum_j c_j (q - knot)^j. Spline degrees may differ. It is one array because each further argument would cost a
+    call from Python as much as ten splines.
     """
-    order = 1 + max((spline.k for _, _, spline in terms), default=0)
-    blocks = [np.zeros((0, 3 + order))]
-    for muscle, coordinate, spline in terms:
-        knots = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
-        block = np.zeros((len(knots), 3 + order))
-        block[:, 0] = muscle
-        block[-1, 0] = _CLOSING
-        block[:, 1] = coordinate
-        block[:, 2] = knots
+    order = max([_LEAST_ORDER] + [spline.k + 1 for _, _, spline in terms])
+    rows = [np.zeros((0, 1 + order))]
+    before: tuple[int, list[float]] = (-1, [])
+    for muscle, coordinate, spline in sorted(terms, key=lambda term: (term[1], _knots(term[2]))):
+        knots = np.array(_knots(spline))
+        header, pieces = np.zeros((1, 1 + order)), np.zeros((len(knots), 1 + order))
+        header[0, :4] = muscle, coordinate, len(knots), before == (coordinate, _knots(spline))
+        pieces[:, 0] = knots
         for j in range(spline.k + 1):
-            block[:-1, 3 + j] = spline(knots[:-1], nu=j) / math.factorial(j)
-        blocks.append(block)
-    return np.concatenate(blocks)
+            pieces[:-1, 1 + j] = spline(knots[:-1], nu=j) / math.factorial(j)
+        rows += [header, pieces]
+        before = (coordinate, _knots(spline))
+    return np.concatenate(rows)
+
+
+def _knots(spline: BSpline) -> list[float]:
+    return np.unique(spline.t[spline.k : len(spline.t) - spline.k]).tolist()
 
 
 @compiled
-def _last_row(first, paths):
-    """The row that closes the term which begins in a row."""
-    last = first
-    while paths[last, 0] != _CLOSING:
-        last += 1
-    return last
+def count_terms(paths):
+    """The number of terms in a table."""
+    terms = header = 0
+    while header < len(paths):
+        terms += 1
+        header += 1 + int(paths[header, 2])
+    return terms
+
+
+class PathPieces(NamedTuple):
+    """The piece of each term that each lane is in. Lanes change pieces rarely, so this is kept between evaluations."""
+
+    found: np.ndarray  # (lanes,), scratch: the piece that a lane has just come to, or -1
+    start: np.ndarray  # (terms, lanes), rad: the piece reaches from here, -inf for the first one
+    stop: np.ndarray  # (terms, lanes), rad: to here, inf for the last one
+    knot: np.ndarray  # (terms, lanes), rad: where it begins
+    coefficients: np.ndarray  # (order, terms, lanes)
 
 
 @compiled
-def _evaluate_term(q, first, last, paths):
-    """Value, first and second derivative at q of the spline in the rows first to last."""
-    x = min(max(q, paths[first, 2]), paths[last, 2])
-    row = first
-    while row + 1 < last and x >= paths[row + 1, 2]:
-        row += 1
-    t = x - paths[row, 2]
+def make_path_pieces(paths, lanes):
+    """PathPieces in which no lane has found its piece."""
+    terms, order = count_terms(paths), paths.shape[1] - 1
+    return PathPieces(
+        np.empty(lanes, np.int64),
+        np.full((terms, lanes), np.inf),
+        np.full((terms, lanes), -np.inf),
+        np.empty((terms, lanes)),
+        np.empty((order, terms, lanes)),
+    )
+
+
+@inlined
+def _follow_pieces(q, j, paths, first, last, found, start, stop, knot, term):
+    """Brings lanes that left their pieces to those at q[j]; first, last: rows of the knots. Whether there were any."""
+    left = 0
+    for k in range(len(found)):
+        left += not (start[term, k] <= q[j, k] < stop[term, k])
+    if left == 0:
+        return False
+    for k in range(len(found)):
+        found[k] = -1
+        if not (start[term, k] <= q[j, k] < stop[term, k]):
+            row = first
+            while row + 1 < last and q[j, k] >= paths[row + 1, 0]:
+                row += 1
+            found[k] = row - first
+            knot[term, k] = paths[row, 0]
+            start[term, k] = paths[row, 0] if row > first else -np.inf
+            stop[term, k] = paths[row + 1, 0] if row + 1 < last else np.inf
+    return True
+
+
+@compiled
+def evaluate_path_lanes(q, paths, pieces, length, slope):
+    """Writes lengths (n, lanes), m, and the slopes (terms, lanes), m/rad, of each term, at joint angles q (n_q, lanes).
+
+    pieces: see `make_path_pieces`. A term's slope is its share of a moment arm, but for the sign.
+    """
+    found, start, stop, knot, c = pieces
+    lanes, order = len(found), len(c)
+    length[:] = 0.0
+    header = term = group = 0
+    moved = False
+    while header < len(paths):
+        i, j = int(paths[header, 0]), int(paths[header, 1])
+        first, last = header + 1, header + int(paths[header, 2])
+        if paths[header, 3] == 0.0:
+            group = term
+            moved = _follow_pieces(q, j, paths, first, last, found, start, stop, knot, group)
+        if moved:
+            for k in range(lanes):
+                if found[k] >= 0:
+                    for o in range(order):
+                        c[o, term, k] = paths[first + found[k], 1 + o]
+        lowest, highest = paths[first, 0], paths[last, 0]
+        if order == 4:
+            for k in range(lanes):
+                x = min(max(q[j, k], lowest), highest)
+                t = x - knot[group, k]
+                c1, c2, c3 = c[1, term, k], c[2, term, k], c[3, term, k]
+                rate = c1 + t * (2.0 * c2 + 3.0 * t * c3)
+                length[i, k] += c[0, term, k] + t * (c1 + t * (c2 + t * c3)) + rate * (q[j, k] - x)
+                slope[term, k] = rate
+        else:
+            for k in range(lanes):
+                x = min(max(q[j, k], lowest), highest)
+                t = x - knot[group, k]
+                value = rate = 0.0
+                for o in range(order - 1, -1, -1):
+                    rate = rate * t + value
+                    value = value * t + c[o, term, k]
+                length[i, k] += value + rate * (q[j, k] - x)
+                slope[term, k] = rate
+        header = last + 1
+        term += 1
+
+
+@compiled
+def _evaluate_term(q, rows):
+    """Value, first and second derivative at q of the spline with these knots and pieces."""
+    last = len(rows) - 2
+    x = min(max(q, rows[0, 0]), rows[last + 1, 0])
+    piece = 0
+    while piece < last and x >= rows[piece + 1, 0]:
+        piece += 1
+    t = x - rows[piece, 0]
     value = slope = curve = 0.0
-    for j in range(paths.shape[1] - 1, 2, -1):
+    for j in range(rows.shape[1] - 1, 0, -1):
         curve = curve * t + 2.0 * slope
         slope = slope * t + value
-        value = value * t + paths[row, j]
+        value = value * t + rows[piece, j]
     if q == x:
         return value, slope, curve
     return value + slope * (q - x), slope, 0.0
@@ -69,23 +166,21 @@ def evaluate_paths(q, paths, length, moment_arm):
     """Writes lengths (n,) and moment arms (n, n_q), both in m, at the joint angles q (n_q,) in rad."""
     length[:] = 0.0
     moment_arm[:] = 0.0
-    first = 0
-    while first < len(paths):
-        last = _last_row(first, paths)
-        i, j = int(paths[first, 0]), int(paths[first, 1])
-        value, slope, _ = _evaluate_term(q[j], first, last, paths)
+    header = 0
+    while header < len(paths):
+        i, j, end = int(paths[header, 0]), int(paths[header, 1]), header + 1 + int(paths[header, 2])
+        value, slope, _ = _evaluate_term(q[j], paths[header + 1 : end])
         length[i] += value
         moment_arm[i, j] -= slope
-        first = last + 1
+        header = end
 
 
 @compiled
 def evaluate_path_curvatures(q, paths, curvature):
     """Writes the second derivatives (n, n_q) of the lengths (m/rad^2); mixed ones vanish, as lengths are sums."""
     curvature[:] = 0.0
-    first = 0
-    while first < len(paths):
-        last = _last_row(first, paths)
-        i, j = int(paths[first, 0]), int(paths[first, 1])
-        curvature[i, j] += _evaluate_term(q[j], first, last, paths)[2]
-        first = last + 1
+    header = 0
+    while header < len(paths):
+        i, j, end = int(paths[header, 0]), int(paths[header, 1]), header + 1 + int(paths[header, 2])
+        curvature[i, j] += _evaluate_term(q[j], paths[header + 1 : end])[2]
+        header = end

@@ -1,9 +1,9 @@
 """Activation dynamics: how the activation of a muscle follows its excitation."""
 
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import inlined
 
 
-@compiled
+@inlined
 def activation_rate(activation, excitation, m):
     """Time derivative of the activation (1/s) and its derivatives by activation and excitation.
 
@@ -14,14 +14,13 @@ def activation_rate(activation, excitation, m):
     u = min(max(excitation, m.minimum_activation), 1.0)
     free = 1.0 if u == excitation else 0.0
     speed = 0.5 + 1.5 * activation
-    if u > activation:
-        rate = 1.0 / (m.activation_time * speed)
-        return (u - activation) * rate, -rate - (u - activation) * rate * 1.5 / speed, rate * free
-    rate = speed / m.deactivation_time
-    return (u - activation) * rate, -rate + (u - activation) * 1.5 / m.deactivation_time, rate * free
+    rises = u > activation
+    rate = 1.0 / (m.activation_time * speed) if rises else speed / m.deactivation_time
+    bend = (-1.5 if rises else 1.5) * (u - activation) * rate / speed
+    return (u - activation) * rate, bend - rate, rate * free
 
 
-@compiled
+@inlined
 def activation_step(activation, excitation, time_step, m):
     """Activation after a time step with the excitation held: explicit midpoint rule, second order."""
     rate, _, _ = activation_rate(activation, excitation, m)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding
 import numba
 from numba.core import config
 
@@ -23,12 +24,28 @@ def _cache_folder() -> Path:
     return Path(base) / state.hexdigest()[:16]
 
 
+def _use_whole_vectors() -> None:
+    """Lets Numba use vectors of 512 bits where the processor has them: LLVM avoids them, but here they save a quarter.
+
+    Whoever sets NUMBA_CPU_FEATURES decides otherwise; code that Numba compiled before drakearm was imported stays.
+    """
+    features = config.CPU_FEATURES  # type: ignore[attr-defined]
+    host = llvmlite.binding.get_host_cpu_features()
+    if features is None and host.get("avx512f"):
+        config.CPU_FEATURES = host.flatten() + ",-prefer-256-bit"  # type: ignore[attr-defined]
+
+
+_use_whole_vectors()
 _FOLDER = str(_cache_folder())
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+# Freedoms that leave NaN and infinity alone: to fuse a product with a sum, to multiply by the inverse of a divisor.
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "arcp"}, "no_cfunc_wrapper": True}
+
+
+def compiled(function: Callable[..., Any], **options: Any) -> Any:
     """Compiles a function with Numba: NumPy's rules for division by zero, cached between processes."""
-    dispatcher = numba.njit(error_model="numpy")(function)
+    dispatcher = numba.njit(**_OPTIONS, **options)(function)
     before = config.CACHE_DIR  # type: ignore[attr-defined]
     config.CACHE_DIR = _FOLDER  # type: ignore[attr-defined]
     try:
@@ -38,3 +55,8 @@ def compiled(function: Callable[..., Any]) -> Any:
     finally:
         config.CACHE_DIR = before  # type: ignore[attr-defined]
     return dispatcher
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """Like `compiled`, for what stands in a loop over lanes: without a call the loop can use vector instructions."""
+    return compiled(function, forceinline=True)

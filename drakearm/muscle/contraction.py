@@ -6,7 +6,7 @@ sqrt(l^2 - width^2). Fibers below their minimum length count as that long, as in
 
 import math
 
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import compiled, inlined
 from drakearm.muscle.curves import (
     active_force_length,
     force_of_velocity,
@@ -18,16 +18,17 @@ from drakearm.muscle.curves import (
 
 SHORTEST = 0.01  # of the optimal fiber length: floor for unpennated fibers, which have no minimum of their own
 ITERATIONS = 100
+QUICK_ITERATIONS = 6
 TOLERANCE = 1e-8  # of the optimal fiber length, on the last of Newton's moves: what remains is its square
 
 
-@compiled
+@inlined
 def shortest_fiber(m):
     """The length (m) below which no fiber gets."""
     return max(m.minimum_fiber_length, SHORTEST * m.optimal_fiber_length)
 
 
-@compiled
+@inlined
 def tendon_force(fiber_length, mtu_length, m):
     """Force (N) of a compliant tendon and its derivatives by fiber and musculotendon length (N/m)."""
     fiber_length = max(fiber_length, m.minimum_fiber_length)
@@ -37,7 +38,7 @@ def tendon_force(fiber_length, mtu_length, m):
     return force * m.max_isometric_force, -by_mtu * fiber_length / along, by_mtu
 
 
-@compiled
+@inlined
 def rigid_fiber(mtu_length, mtu_velocity, m):
     """Length and velocity of a fiber on a rigid tendon, and the cosine of its pennation angle."""
     along = max(mtu_length - m.tendon_slack_length, 0.0)
@@ -49,7 +50,7 @@ def rigid_fiber(mtu_length, mtu_velocity, m):
     return fiber_length, mtu_velocity * cosine, cosine
 
 
-@compiled
+@inlined
 def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
     """Force (N) that a fiber puts on its rigid tendon; derivatives by activation, musculotendon length and velocity."""
     a = min(max(activation, m.minimum_activation), 1.0)
@@ -74,7 +75,7 @@ def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
     return f_max * force * cosine, f_max * by_activation * cosine, f_max * by_length, f_max * by_velocity
 
 
-@compiled
+@inlined
 def fiber_velocity(activation, fiber_length, mtu_length, m):
     """Fiber velocity (m/s) and its derivatives by activation, fiber length and musculotendon length.
 
@@ -85,40 +86,44 @@ def fiber_velocity(activation, fiber_length, mtu_length, m):
     fiber_length = max(fiber_length, m.minimum_fiber_length)
     a = min(max(activation, m.minimum_activation), 1.0)
     free = 1.0 if a == activation else 0.0
-    cosine = math.sqrt(1.0 - (m.fiber_width / fiber_length) ** 2)
+    along = math.sqrt(fiber_length**2 - m.fiber_width**2)
+    inverse_along = 1.0 / along
+    secant = fiber_length * inverse_along
     length = fiber_length / m.optimal_fiber_length
-    strain = (mtu_length - fiber_length * cosine) / m.tendon_slack_length - 1.0
+    strain = (mtu_length - along) / m.tendon_slack_length - 1.0
 
     tendon, tendon_slope = tendon_force_strain(strain, m)
     passive, passive_slope = passive_force_length(length, m)
     shape, shape_slope = active_force_length(length, m)
-    isometric = a * shape
-    ratio = (tendon / cosine - passive) / isometric
+    inverse_isometric = 1.0 / (a * shape)
+    ratio = (tendon * secant - passive) * inverse_isometric
     speed, speed_slope = velocity_of_force(ratio, m)
     scale, scale_slope = velocity_scale(a, m)
 
-    unit = m.max_contraction_velocity * m.optimal_fiber_length
-    velocity = unit * scale * speed
-    if at_minimum and velocity <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-
+    held = at_minimum and speed <= 0.0
+    unit = (0.0 if held else m.max_contraction_velocity * m.optimal_fiber_length) * scale
     by_strain = tendon_slope / m.tendon_slack_length
-    cosine_slope = (m.fiber_width / fiber_length) ** 2 / (fiber_length * cosine)
-    ratio_by_length = (
-        -by_strain / cosine**2
-        - tendon * cosine_slope / cosine**2
-        - passive_slope / m.optimal_fiber_length
-        - ratio * a * shape_slope / m.optimal_fiber_length
-    ) / isometric
-    by_ratio = unit * scale * speed_slope
-    by_activation = free * (unit * scale_slope * speed - by_ratio * ratio / a)
-    return velocity, by_activation, by_ratio * ratio_by_length, by_ratio * by_strain / (cosine * isometric)
+    by_force = unit * speed_slope * inverse_isometric
+    loss = (
+        by_strain * secant**2 + tendon * m.fiber_width**2 * inverse_along**3
+    )  # of active force, as the fiber lengthens
+    loss += (passive_slope + ratio * a * shape_slope) / m.optimal_fiber_length
+    by_activation = free * unit * (scale_slope / scale * speed - speed_slope * ratio / a)
+    return unit * speed, by_activation, -by_force * loss, by_force * by_strain * secant
 
 
-@compiled
+@inlined
 def slack_fiber_length(mtu_length, m):
     """Fiber length at which the tendon just goes slack."""
     return math.sqrt(max(mtu_length - m.tendon_slack_length, 0.0) ** 2 + m.fiber_width**2)
+
+
+@inlined
+def newton_move(x, weight, base, activation, mtu_length, m):
+    """What `solve_fiber` finds at a fiber length x: the residual of its equation, and Newton's move to the root."""
+    velocity, _, slope, _ = fiber_velocity(activation, x, mtu_length, m)
+    residual = velocity - weight * (x - base)
+    return residual, residual / (weight - slope)
 
 
 @compiled
@@ -132,13 +137,11 @@ def solve_fiber(weight, base, activation, mtu_length, guess, m):
     high = max(max(base, slack_fiber_length(mtu_length, m)), low) * (1.0 + 1e-9)
     x = min(max(guess, low), high)
     for _ in range(ITERATIONS):
-        velocity, _, slope, _ = fiber_velocity(activation, x, mtu_length, m)
-        residual = velocity - weight * (x - base)
+        residual, move = newton_move(x, weight, base, activation, mtu_length, m)
         if residual > 0.0:
             low = x
         else:
             high = x
-        move = residual / (weight - slope)
         if not (low <= x + move <= high):
             move = 0.5 * (low + high) - x
         x += move
@@ -167,8 +170,39 @@ def fiber_step(activation, fiber_length, previous_fiber_length, mtu_length, time
     BDF2: second order and L-stable (a barely active, stretched fiber relaxes at up to 8e4 /s), for one scalar solve.
     The previous fiber length is that of one step earlier.
     """
-    base = (4.0 * fiber_length - previous_fiber_length) / 3.0
+    base = bdf2_base(fiber_length, previous_fiber_length)
     guess = 2.0 * fiber_length - previous_fiber_length
     weight = 1.5 / time_step
     later = solve_fiber(weight, base, activation, mtu_length, guess, m)
     return later, weight * (later - base)
+
+
+@inlined
+def fiber_steps(later, state, i, n, mtu_length, lane, time_step, m):
+    """Writes the fiber lengths `later` (lanes,) of muscle i a time step later; `later` holds guesses.
+
+    state: see `muscle_step`, but with activations of the later instant; (4 n, lanes). mtu_length: (n, any), of that
+    instant too, from the column `lane`. It is `fiber_step` in every lane: plain Newton iterations of all lanes at once
+    nearly always suffice, and where they do not settle in some lane, all are left to `fiber_step` itself.
+    """
+    weight = 1.5 / time_step
+    shortest, tolerance = shortest_fiber(m), TOLERANCE * m.optimal_fiber_length
+    for _ in range(QUICK_ITERATIONS):
+        moving = 0
+        for k in range(len(later)):
+            base = bdf2_base(state[n + i, k], state[2 * n + i, k])
+            _, move = newton_move(later[k], weight, base, state[i, k], mtu_length[i, lane + k], m)
+            x = max(later[k] + move, shortest)
+            moving += not abs(x - later[k]) < tolerance
+            later[k] = x
+        if moving == 0:
+            return
+    for k in range(len(later)):
+        fiber, previous = state[n + i, k], state[2 * n + i, k]
+        later[k], _ = fiber_step(state[i, k], fiber, previous, mtu_length[i, lane + k], time_step, m)
+
+
+@inlined
+def bdf2_base(fiber_length, previous_fiber_length):
+    """The fiber length from which BDF2 makes a step of Euler's implicit rule, two thirds of the time step long."""
+    return (4.0 * fiber_length - previous_fiber_length) / 3.0

@@ -5,7 +5,7 @@ max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Each returns a valu
 """
 
 from drakearm.muscle import degroote2016, thelen2003
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import inlined
 from drakearm.muscle.parameters import THELEN2003
 
 _thelen_active, _degroote_active = thelen2003.active_force_length, degroote2016.active_force_length
@@ -16,7 +16,7 @@ _thelen_force, _degroote_force = thelen2003.force_of_velocity, degroote2016.forc
 _thelen_scale = thelen2003.velocity_scale
 
 
-@compiled
+@inlined
 def active_force_length(length, m):
     """Active isometric force at a fiber length."""
     if m.model_code == THELEN2003:
@@ -24,7 +24,7 @@ def active_force_length(length, m):
     return _degroote_active(length, m)
 
 
-@compiled
+@inlined
 def passive_force_length(length, m):
     """Passive force at a fiber length."""
     if m.model_code == THELEN2003:
@@ -32,7 +32,7 @@ def passive_force_length(length, m):
     return _degroote_passive(length, m)
 
 
-@compiled
+@inlined
 def tendon_force_strain(strain, m):
     """Tendon force at a tendon strain."""
     if m.model_code == THELEN2003:
@@ -40,7 +40,7 @@ def tendon_force_strain(strain, m):
     return _degroote_tendon(strain, m)
 
 
-@compiled
+@inlined
 def velocity_of_force(ratio, m):
     """Fiber velocity at full activation, at a ratio of active force to isometric force."""
     if m.model_code == THELEN2003:
@@ -48,7 +48,7 @@ def velocity_of_force(ratio, m):
     return _degroote_velocity(ratio, m)
 
 
-@compiled
+@inlined
 def force_of_velocity(velocity, m):
     """Active force over isometric force at a fiber velocity, at full activation: the inverse of `velocity_of_force`."""
     if m.model_code == THELEN2003:
@@ -56,7 +56,7 @@ def force_of_velocity(velocity, m):
     return _degroote_force(velocity, m)
 
 
-@compiled
+@inlined
 def velocity_scale(activation, m):
     """Factor by which an activation changes the velocity of full activation."""
     if m.model_code == THELEN2003:

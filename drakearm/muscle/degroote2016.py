@@ -9,7 +9,8 @@ up to 0.2 forces.
 
 import math
 
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import inlined
+from drakearm.muscle.elementary import GREATEST_EXPONENT, LEAST_EXPONENT, exp
 
 _GAUSSIANS = (
     (0.8150671134243542, 1.055033428970575, 0.162384573599574, 0.063303448465465),
@@ -18,51 +19,54 @@ _GAUSSIANS = (
 )
 _D1, _D2, _D3, _D4 = -0.3211346127989808, -8.149, -0.374, 0.8825327733249912
 _TENDON_SCALE = 0.2  # c1 and c3
+_TENDON_RATE = math.log((1.0 + _TENDON_SCALE) / _TENDON_SCALE)  # over tendon_strain
 _SHORTEST_PASSIVE = 0.2  # fiber length at which the passive force is 0
 _LOWEST, _HIGHEST = -0.5, 2.3  # forces beyond which the velocity, then over 5, continues along tangents
 
 
-@compiled
+@inlined
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length: a sum of three Gaussian-like curves."""
     force = slope = 0.0
     for height, center, width, widening in _GAUSSIANS:
         spread = width + widening * length
         z = (length - center) / spread
-        term = height * math.exp(-0.5 * z * z)
+        term = height * exp(max(-0.5 * z * z, LEAST_EXPONENT))
         force += term
         slope -= term * z * (1.0 - widening * z) / spread
     return force, slope
 
 
-@compiled
+@inlined
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length: an exponential, 0 at _SHORTEST_PASSIVE."""
     rate = m.passive_shape / m.passive_strain
-    offset = math.exp(rate * (_SHORTEST_PASSIVE - 1.0))
-    growth = math.exp(rate * (length - 1.0))
-    scale = 1.0 / (math.exp(m.passive_shape) - offset)
+    offset = exp(rate * (_SHORTEST_PASSIVE - 1.0))
+    growth = exp(min(rate * (length - 1.0), GREATEST_EXPONENT))
+    scale = 1.0 / (exp(m.passive_shape) - offset)
     return (growth - offset) * scale, rate * growth * scale
 
 
-@compiled
+@inlined
 def tendon_force_strain(strain, m):
     """Tendon force and its slope at a strain: an exponential through 0 at slack length and 1 at tendon_strain."""
-    rate = math.log((1.0 + _TENDON_SCALE) / _TENDON_SCALE) / m.tendon_strain
-    growth = math.exp(rate * strain)
+    rate = _TENDON_RATE / m.tendon_strain
+    growth = exp(min(max(rate * strain, LEAST_EXPONENT), GREATEST_EXPONENT))
     return _TENDON_SCALE * (growth - 1.0), _TENDON_SCALE * rate * growth
 
 
-@compiled
+@inlined
 def velocity_of_force(ratio, m):
     """Velocity at a ratio of active force to isometric force, and its slope: a hyperbolic sine."""
     at = min(max(ratio, _LOWEST), _HIGHEST)
     z = (at - _D4) / _D1
-    slope = math.cosh(z) / (_D1 * _D2)
-    return (math.sinh(z) - _D3) / _D2 + slope * (ratio - at), slope
+    up = 0.5 * exp(z)
+    down = 0.25 / up
+    slope = (up + down) / (_D1 * _D2)
+    return (up - down - _D3) / _D2 + slope * (ratio - at), slope
 
 
-@compiled
+@inlined
 def force_of_velocity(velocity, m):
     """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force` between its tangents."""
     z = _D2 * velocity + _D3

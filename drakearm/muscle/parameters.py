@@ -1,34 +1,71 @@
 """The numbers that describe muscles to the compiled functions: one record a muscle."""
 
+from typing import NamedTuple
+
 import numpy as np
+
+from drakearm.muscle.compiled import inlined
 
 THELEN2003, DEGROOTE2016 = 0, 1
 MODEL_CODES = {"thelen2003": THELEN2003, "degroote2016": DEGROOTE2016}
 
-# Field by field what `drakearm.model.Muscle` holds, plus what follows from it. Units: m, N, s, rad, Pa, kg.
-MUSCLE_DTYPE = np.dtype(
-    [
-        ("model_code", np.int64),
-        ("rigid_tendon", np.bool_),
-        ("max_isometric_force", np.float64),
-        ("optimal_fiber_length", np.float64),
-        ("tendon_slack_length", np.float64),
-        ("max_contraction_velocity", np.float64),  # optimal fiber lengths per second
-        ("activation_time", np.float64),
-        ("deactivation_time", np.float64),
-        ("minimum_activation", np.float64),
-        ("tendon_strain", np.float64),  # at max_isometric_force
-        ("passive_strain", np.float64),  # at max_isometric_force
-        ("passive_shape", np.float64),
-        ("active_width", np.float64),
-        ("force_velocity_shape", np.float64),
-        ("eccentric_force", np.float64),  # over isometric force
-        ("slow_twitch_fraction", np.float64),
-        ("mass", np.float64),
-        ("fiber_width", np.float64),  # optimal_fiber_length * sin(pennation_angle): constant
-        ("minimum_fiber_length", np.float64),  # where pennation reaches acos(0.1)
-        ("toe_strain", np.float64),  # tendon strain where the exponential toe region ends
-        ("tendon_stiffness", np.float64),  # beyond the toe region, over max_isometric_force, per strain
-    ],
-    align=True,
-)
+
+class MuscleParameters(NamedTuple):
+    """Field by field what `drakearm.model.Muscle` holds, plus what follows from it. Units: m, N, s, rad, Pa, kg."""
+
+    model_code: int
+    rigid_tendon: bool
+    max_isometric_force: float
+    optimal_fiber_length: float
+    tendon_slack_length: float
+    max_contraction_velocity: float  # optimal fiber lengths per second
+    activation_time: float
+    deactivation_time: float
+    minimum_activation: float
+    tendon_strain: float  # at max_isometric_force
+    passive_strain: float  # at max_isometric_force
+    passive_shape: float
+    active_width: float
+    force_velocity_shape: float
+    eccentric_force: float  # over isometric force
+    slow_twitch_fraction: float
+    mass: float
+    fiber_width: float  # optimal_fiber_length * sin(pennation_angle): constant
+    minimum_fiber_length: float  # where pennation reaches acos(0.1)
+    toe_strain: float  # tendon strain where the exponential toe region ends
+    tendon_stiffness: float  # beyond the toe region, over max_isometric_force, per strain
+
+
+_NUMPY_TYPES = {int: np.int64, bool: np.bool_, float: np.float64}
+MUSCLE_DTYPE = np.dtype([(name, _NUMPY_TYPES[t]) for name, t in MuscleParameters.__annotations__.items()], align=True)
+
+
+@inlined
+def muscle_parameters(record, model_code):
+    """The numbers of a record as values. Unlike fields of a record, the compiler knows that loops do not change them.
+
+    model_code: that of the record, as a constant where the code that follows is to be compiled for this model alone.
+    """
+    return MuscleParameters(
+        model_code,
+        record.rigid_tendon,
+        record.max_isometric_force,
+        record.optimal_fiber_length,
+        record.tendon_slack_length,
+        record.max_contraction_velocity,
+        record.activation_time,
+        record.deactivation_time,
+        record.minimum_activation,
+        record.tendon_strain,
+        record.passive_strain,
+        record.passive_shape,
+        record.active_width,
+        record.force_velocity_shape,
+        record.eccentric_force,
+        record.slow_twitch_fraction,
+        record.mass,
+        record.fiber_width,
+        record.minimum_fiber_length,
+        record.toe_strain,
+        record.tendon_stiffness,
+    )

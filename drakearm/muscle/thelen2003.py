@@ -3,11 +3,13 @@
 All are dimensionless: forces over max_isometric_force, fiber lengths over optimal_fiber_length, velocities over
 max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Equation numbers: Thelen, "Adjustment of muscle mechanics
 model parameters to simulate dynamic contractions in older adults", J. Biomech. Eng. 125:70-77, 2003.
+They clamp and choose instead of branching, so that many muscles can be evaluated at once.
 """
 
 import math
 
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import inlined
+from drakearm.muscle.elementary import GREATEST_EXPONENT, LEAST_EXPONENT, exp
 
 TOE_SHAPE = 3.0  # exponent of the tendon's toe region
 TOE_FORCE = 0.33  # tendon force where the toe region ends
@@ -26,76 +28,66 @@ def tendon_stiffness(tendon_strain: float) -> float:
     return (1.0 - TOE_FORCE) / (tendon_strain - toe_strain(tendon_strain))
 
 
-@compiled
+@inlined
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length (eq. 4)."""
-    force = math.exp(-((length - 1.0) ** 2) / m.active_width)
-    return force, -2.0 * (length - 1.0) / m.active_width * force
+    force = exp(max((1.0 - length) * (length - 1.0) / m.active_width, LEAST_EXPONENT))
+    return force, 2.0 / m.active_width * (1.0 - length) * force
 
 
-@compiled
+@inlined
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length (eq. 3), 0 below the optimal length."""
-    if length <= 1.0:
-        return 0.0, 0.0
     rate = m.passive_shape / m.passive_strain
-    scale = 1.0 / (math.exp(m.passive_shape) - 1.0)
-    growth = math.exp(rate * (length - 1.0))
-    return (growth - 1.0) * scale, rate * growth * scale
+    scale = 1.0 / (exp(m.passive_shape) - 1.0)
+    growth = exp(min(rate * max(length - 1.0, 0.0), GREATEST_EXPONENT))
+    slope = rate * growth * scale
+    return (growth - 1.0) * scale, slope if length > 1.0 else 0.0
 
 
-@compiled
+@inlined
 def tendon_force_strain(strain, m):
     """Tendon force and its slope at a strain (eq. 5): exponential toe, then linear; 0 when slack."""
-    if strain <= 0.0:
-        return 0.0, 0.0
-    if strain > m.toe_strain:
-        return m.tendon_stiffness * (strain - m.toe_strain) + TOE_FORCE, m.tendon_stiffness
-    growth = math.exp(TOE_SHAPE * strain / m.toe_strain)
-    return (growth - 1.0) * TOE_SCALE, TOE_SHAPE / m.toe_strain * growth * TOE_SCALE
+    growth = exp(TOE_SHAPE / m.toe_strain * min(max(strain, 0.0), m.toe_strain))
+    force = (growth - 1.0) * TOE_SCALE + m.tendon_stiffness * max(strain - m.toe_strain, 0.0)
+    slope = TOE_SHAPE / m.toe_strain * growth * TOE_SCALE
+    taut_slope = m.tendon_stiffness if strain > m.toe_strain else slope
+    return force, taut_slope if strain > 0.0 else 0.0
 
 
-@compiled
+@inlined
 def velocity_of_force(ratio, m):
     """Shortening (< 0) or lengthening velocity at a ratio of active force to isometric force, and its slope (eq. 6).
 
     The velocity is that of full activation; `velocity_scale` shrinks it with activation. Below 0 and beyond
     LINEAR_FROM * eccentric_force it continues along the tangents, so that it exists for every force.
     """
-    curvature = m.force_velocity_shape
     highest = m.eccentric_force
-    if ratio <= 0.0:
-        slope = 1.0 + 1.0 / curvature
-        return slope * ratio - 1.0, slope
-    if ratio <= 1.0:
-        denominator = 1.0 + ratio / curvature
-        return (ratio - 1.0) / denominator, (1.0 + 1.0 / curvature) / denominator**2
-    scale = (highest - 1.0) / (2.0 + 2.0 / curvature)
-    knee = LINEAR_FROM * highest
-    at = min(ratio, knee)
-    denominator = highest - at
-    slope = scale * (highest - 1.0) / denominator**2
-    return scale * (at - 1.0) / denominator + slope * (ratio - at), slope
+    steepness = 1.0 + 1.0 / m.force_velocity_shape
+    scale = (highest - 1.0) / (2.0 * steepness)
+    at = min(max(ratio, 0.0), LINEAR_FROM * highest)
+    lengthens = at > 1.0
+    inverse = 1.0 / ((highest - at) if lengthens else (1.0 + at / m.force_velocity_shape))
+    slope = (scale * (highest - 1.0) if lengthens else steepness) * inverse * inverse
+    return (scale if lengthens else 1.0) * (at - 1.0) * inverse + slope * (ratio - at), slope
 
 
-@compiled
+@inlined
 def force_of_velocity(velocity, m):
     """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force`, but is never below 0."""
-    curvature = m.force_velocity_shape
     highest = m.eccentric_force
-    if velocity <= -1.0:
-        return 0.0, 0.0
-    if velocity <= 0.0:
-        denominator = 1.0 - velocity / curvature
-        return (1.0 + velocity) / denominator, (1.0 + 1.0 / curvature) / denominator**2
-    scale = (highest - 1.0) / (2.0 + 2.0 / curvature)
+    steepness = 1.0 + 1.0 / m.force_velocity_shape
+    scale = (highest - 1.0) / (2.0 * steepness)
     knee = LINEAR_FROM * highest
-    at = min(velocity, scale * (knee - 1.0) / (highest - knee))
-    slope = scale * (highest - 1.0) / (at + scale) ** 2
-    return (at * highest + scale) / (at + scale) + slope * (velocity - at), slope
+    at = min(max(velocity, -1.0), scale * (knee - 1.0) / (highest - knee))
+    lengthens = at > 0.0
+    inverse = 1.0 / ((at + scale) if lengthens else (1.0 - at / m.force_velocity_shape))
+    slope = (scale * (highest - 1.0) if lengthens else steepness) * inverse * inverse
+    force = ((at * highest + scale) if lengthens else (1.0 + at)) * inverse
+    return force + (slope * (velocity - at) if lengthens else 0.0), slope if velocity > -1.0 else 0.0
 
 
-@compiled
+@inlined
 def velocity_scale(activation):
     """Factor of the velocity at an activation, and its slope (eq. 6): a quarter at rest, 1 at full activation."""
     return 0.25 + 0.75 * activation, 0.75

@@ -8,7 +8,14 @@ from scipy.interpolate import BSpline
 
 from drakearm.model import load_arm
 from drakearm.model.musculature import muscle_geometry
-from drakearm.model.paths import evaluate_path_curvatures, evaluate_paths, make_path_table
+from drakearm.model.paths import (
+    count_terms,
+    evaluate_path_curvatures,
+    evaluate_path_lanes,
+    evaluate_paths,
+    make_path_pieces,
+    make_path_table,
+)
 
 ARM = load_arm("arm14")
 angles = st.floats(-3.0, 3.0)
@@ -54,6 +61,22 @@ def test_splines_of_any_degree_and_knots(degree):
         np.testing.assert_allclose(moment_arm[0, 0], -spline(q, nu=1), rtol=1e-7, atol=1e-7)
         if degree > 1:
             np.testing.assert_allclose(curvature[0, 0], spline(q, nu=2), rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize("lanes", [1, 7])
+def test_many_arms_at_once_as_one_by_one(lanes):
+    """While arms move from piece to piece and out of the range, in turn: the same lengths and slopes."""
+    rng = np.random.default_rng(0)
+    paths = ARM.path_table
+    pieces = make_path_pieces(paths, lanes)
+    length, slope = np.empty((14, lanes)), np.empty((count_terms(paths), lanes))
+    for _ in range(100):
+        q = rng.uniform(-3.0, 3.0, (2, lanes))
+        evaluate_path_lanes(q, paths, pieces, length, slope)
+        for k in range(lanes):
+            expected, moment_arm = geometry(*q[:, k])
+            np.testing.assert_allclose(length[:, k], expected, atol=1e-15)
+            assert slope[:, k].sum() == pytest.approx(-moment_arm.sum(), abs=1e-15)
 
 
 def test_known_lengths_and_moment_arms():

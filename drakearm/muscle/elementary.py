@@ -1,0 +1,82 @@
+"""Elementary functions that the compiler can apply to many numbers at once, unlike those of the C library.
+
+Straight-line code: reduction of the argument to a small interval (Cody and Waite 1980) and a polynomial, nearly the
+minimax one, of relative error below 2e-17 there.
+"""
+
+import numpy as np
+
+from drakearm.muscle.compiled import inlined
+
+LEAST_EXPONENT, GREATEST_EXPONENT = -708.0, 709.0  # of `exp`
+
+_ROUNDER = 6755399441055744.0  # 1.5 * 2^52: what is added to it is rounded to an integer, found in its lowest bits
+_ONE_BITS = 1023 << 52  # 1.0 as an integer
+_LOG2_E = 1.4426950408889634
+_LN2_HIGH, _LN2_LOW = 0.6931471803691238, 1.9082149292705877e-10
+_EXP_EVEN = (2.7620088445409746e-07, 2.4801521295954376e-05, 0.0013888888917213717, 0.04166666666662413, 0.5, 1.0)
+_EXP_ODD = (
+    2.510038549551032e-08,
+    2.7557268459997064e-06,
+    0.00019841269863053618,
+    0.008333333333330062,
+    0.16666666666666669,
+    1.0,
+)
+_TWO_OVER_PI = 0.6366197723675814
+_HALF_PI_HIGH, _HALF_PI_MIDDLE, _HALF_PI_LOW = 1.5707963267341256, 6.07710050359346e-11, 2.912732056093356e-20
+_SIN = (
+    1.591810123027412e-10,
+    -2.5051131455427946e-08,
+    2.755731610068303e-06,
+    -0.0001984126983675497,
+    0.008333333333330946,
+    -0.16666666666666666,
+)
+_COS = (
+    -1.1382614868556325e-11,
+    2.0876146024689747e-09,
+    -2.7557317270560326e-07,
+    2.4801587298763433e-05,
+    -0.0013888888888887395,
+    0.041666666666666664,
+)
+
+
+@inlined
+def _bits(x):
+    return np.float64(x).view(np.int64)
+
+
+@inlined
+def exp(x):
+    """Exponential function to 2 units in the last place, from LEAST_EXPONENT to GREATEST_EXPONENT only: clamp x."""
+    shifted = x * _LOG2_E + _ROUNDER
+    n = shifted - _ROUNDER
+    r = (x - n * _LN2_HIGH) - n * _LN2_LOW
+    z = r * r
+    even = odd = 0.0
+    for c in _EXP_EVEN:
+        even = even * z + c
+    for c in _EXP_ODD:
+        odd = odd * z + c
+    return (even + r * odd) * np.int64((_bits(shifted) << 52) + _ONE_BITS).view(np.float64)  # p(r) 2^n
+
+
+@inlined
+def sincos(x):
+    """Sine and cosine to 2e-16 for |x| up to 1e5."""
+    shifted = x * _TWO_OVER_PI + _ROUNDER
+    n = shifted - _ROUNDER
+    r = ((x - n * _HALF_PI_HIGH) - n * _HALF_PI_MIDDLE) - n * _HALF_PI_LOW
+    z = r * r
+    s = c = 0.0
+    for coefficient in _SIN:
+        s = s * z + coefficient
+    for coefficient in _COS:
+        c = c * z + coefficient
+    s, c = r + r * z * s, 1.0 - 0.5 * z + z * z * c
+    quadrant = _bits(shifted)
+    odd = (quadrant & 1) != 0
+    sine, cosine = (c if odd else s), (s if odd else c)
+    return (-sine if quadrant & 2 else sine), (-cosine if (quadrant + 1) & 2 else cosine)
