@@ -45,11 +45,12 @@ def _mlp(
 
 
 class Actor(nn.Module):
-    """A Gaussian over actions: the mean is a tanh MLP, the standard deviation a free parameter.
+    """A Gaussian over actions: the mean is a tanh MLP, the standard deviation the same for every observation.
 
     `initial_action` is the mean at the start, for every observation alike (nearly: the weights of
     the last layer start small), and `initial_std` the standard deviation, both in the action's
-    unit. `generator` draws the first weights; without one they are the same every time.
+    unit; `learns_std` says whether training changes it by its gradient. `generator` draws the first
+    weights; without one they are the same every time.
     """
 
     def __init__(
@@ -60,14 +61,21 @@ class Actor(nn.Module):
         *,
         initial_action: float = 0.15,
         initial_std: float = 0.3,
+        learns_std: bool = True,
         generator: torch.Generator | None = None,
     ) -> None:
         super().__init__()
+        self.learns_std = learns_std
         self.layers = tuple(layers)
         sizes = (n_observations, *layers, n_actions)
         self.mean = _mlp(sizes, nn.Tanh, 0.01, generator or torch.Generator())
         nn.init.constant_(self.mean[-1].bias, initial_action)  # type: ignore[arg-type]
         self.log_std = nn.Parameter(torch.full((n_actions,), initial_std).log())
+
+    def set_std(self, std: float) -> None:
+        """Sets the standard deviation of all actions."""
+        with torch.no_grad():
+            self.log_std.fill_(math.log(std))
 
     def forward(self, observations: Tensor) -> Tensor:
         """The mean action, (..., n_act), of `observations`, (..., n_obs)."""

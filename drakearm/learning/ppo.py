@@ -20,9 +20,9 @@ from gymnasium.spaces import Box
 from gymnasium.vector import VectorEnv
 from pydantic import ConfigDict, Field, PositiveFloat, PositiveInt
 from pydantic.dataclasses import dataclass
-from torch import nn
 
 from drakearm.errors import TrainingError
+from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.rollout import Collector, Rollout, gae
 
@@ -45,6 +45,7 @@ class PpoSettings:
     max_grad_norm: PositiveFloat = 0.5  # longer gradients are shortened to this
     value_weight: PositiveFloat = 0.5  # of the value loss beside the policy loss
     initial_std: PositiveFloat = 0.3  # of the actions, in their own unit
+    final_std: PositiveFloat | None = 0.03  # towards which it falls geometrically; None: it is learned
     initial_action: float = 0.15  # mean of the actions, in their own unit
     actor_layers: tuple[PositiveInt, ...] = (64,) * 5  # widths of the hidden layers, tanh
     critic_layers: tuple[PositiveInt, ...] = (64,) * 3  # widths of the hidden layers, PReLU
@@ -106,8 +107,9 @@ def train(
     observation_space, action_space = _suitable_spaces(envs, settings)
     generator = torch.Generator().manual_seed(seed)
     policy = _initial_policy(observation_space, action_space, settings, metadata, generator)
-    weights = _flat_weights(policy)
-    optimizer = torch.optim.Adam([weights], lr=settings.learning_rate, fused=True)
+    policy.to("cuda" if torch.cuda.is_available() else "cpu")
+    actor = ActorLearner(policy.actor, settings.max_grad_norm, settings.clip)
+    critic = CriticLearner(policy.critic, settings.max_grad_norm, settings.value_weight)
     collector = Collector(envs, settings.steps, seed)
 
     steps = 0
@@ -115,9 +117,14 @@ def train(
     with ExitStack() as stack:
         write_row = _csv_log(log_path, stack)
         for batch in range(1, settings.batches + 1):
-            optimizer.param_groups[0]["lr"] = settings.learning_rate * (1 - (batch - 1) / settings.batches)
+            done = (batch - 1) / settings.batches
+            for learner in (actor, critic):
+                learner.set_learning_rate(settings.learning_rate * (1.0 - done))
+            if settings.final_std is not None:
+                policy.actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
             rollout = collector.collect(policy.actor, generator, batch)
-            diagnostics = _update(policy, weights, optimizer, rollout, settings, generator, batch)
+            experience, explained_variance = _experience(policy, rollout, settings, generator, batch)
+            diagnostics = learn(actor, critic, experience)
 
             now = time.perf_counter()
             batch_steps = int(rollout.valid.sum())
@@ -133,6 +140,7 @@ def train(
                 tracking_error=rollout.tracking_error,
                 entropy=policy.actor.entropy().item(),
                 std=policy.actor.log_std.exp().mean().item(),
+                explained_variance=explained_variance,
                 **diagnostics,
             )
             batch_start = now
@@ -141,73 +149,47 @@ def train(
                 policy.save(checkpoint_path)
             if on_batch:
                 on_batch(report)
-    return policy
+    return policy.cpu()
 
 
-def _update(
-    policy: Policy,
-    weights: nn.Parameter,
-    optimizer: torch.optim.Optimizer,
-    rollout: Rollout,
-    settings: PpoSettings,
-    generator: torch.Generator,
-    batch: int,
-) -> dict[str, float]:
-    """Improves `policy` on `rollout`; returns the diagnostics, means over all minibatches."""
+def _experience(
+    policy: Policy, rollout: Rollout, settings: PpoSettings, generator: torch.Generator, number: int
+) -> tuple[Batch, float]:
+    """What to learn from a rollout, and how much of the returns' variance the critic explained."""
+    device = policy.actor.log_std.device
+    observations, actions = rollout.observations.to(device), rollout.actions.to(device)
     with torch.no_grad():
-        all_values = policy.critic(rollout.observations)
-        next_values = policy.critic(rollout.successors)
-        all_log_probs = policy.actor.log_prob(rollout.observations, rollout.actions)
+        all_values = policy.critic(observations)
+        next_values = policy.critic(rollout.successors.to(device))
+        all_log_probs = policy.actor.log_prob(observations, actions)
     all_advantages = torch.from_numpy(
         gae(
             rollout.rewards.numpy(),
-            all_values.numpy(),
-            next_values.numpy(),
+            all_values.cpu().numpy(),
+            next_values.cpu().numpy(),
             rollout.terminated.numpy(),
             rollout.ended.numpy(),
             settings.gamma,
             settings.gae_lambda,
         )
-    )
-    observations = rollout.observations[rollout.valid]
-    actions = rollout.actions[rollout.valid]
-    log_probs = all_log_probs[rollout.valid]
+    ).to(all_values)
     advantages = all_advantages[rollout.valid]
     values = all_values[rollout.valid]
     returns = values + advantages
-    explained_variance = 1 - (returns - values).var() / returns.var()
-    # Over the whole batch: a minibatch's own mean and deviation would be noise on top.
-    advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
-
-    sums = torch.zeros(4)
-    for _ in range(settings.epochs):
-        order = torch.randperm(len(returns), generator=generator)
-        for rows in order.tensor_split(settings.minibatches):
-            seen, gain = observations[rows], advantages[rows]
-            log_ratio = policy.actor.log_prob(seen, actions[rows]) - log_probs[rows]
-            ratio = log_ratio.exp()
-            clipped = ratio.clamp(1 - settings.clip, 1 + settings.clip)
-            policy_loss = -torch.minimum(ratio * gain, clipped * gain).mean()
-            value_loss = (policy.critic(seen) - returns[rows]).square().mean()
-
-            optimizer.zero_grad(set_to_none=False)  # the parameters' gradients are views of it
-            (policy_loss + settings.value_weight * value_loss).backward()
-            norm = nn.utils.clip_grad_norm_(weights, settings.max_grad_norm)
-            if not norm.isfinite():  # nor is it where the loss is not
-                raise TrainingError(
-                    f"The gradient of the loss is not finite in batch {batch}: "
-                    "a smaller learning rate or smaller rewards may help."
-                )
-            optimizer.step()
-
-            with torch.no_grad():
-                approx_kl = (ratio - 1 - log_ratio).mean()  # Schulman 2020, estimator k3
-                clip_fraction = (ratio != clipped).float().mean()
-                sums += torch.stack([policy_loss, value_loss, approx_kl, clip_fraction])
-
-    means = (sums / (settings.epochs * settings.minibatches)).tolist()
-    names = ("policy_loss", "value_loss", "approx_kl", "clip_fraction")
-    return {**dict(zip(names, means, strict=True)), "explained_variance": explained_variance.item()}
+    batch = Batch(
+        observations=observations[rollout.valid],
+        actions=actions[rollout.valid],
+        log_probs=all_log_probs[rollout.valid],
+        # Over the whole batch: a minibatch's own mean and deviation would be noise on top.
+        advantages=(advantages - advantages.mean()) / (advantages.std() + 1e-8),
+        returns=returns,
+        orders=[
+            torch.randperm(len(returns), generator=generator).tensor_split(settings.minibatches)
+            for _ in range(settings.epochs)
+        ],
+        number=number,
+    )
+    return batch, (1 - (returns - values).var() / returns.var()).item()
 
 
 def _initial_policy(
@@ -224,25 +206,11 @@ def _initial_policy(
         settings.actor_layers,
         initial_action=settings.initial_action,
         initial_std=settings.initial_std,
+        learns_std=settings.final_std is None,
         generator=generator,
     )
     critic = Critic(n_observations, settings.critic_layers, generator=generator)
     return Policy(actor, critic, action_space.low, action_space.high, metadata)
-
-
-def _flat_weights(policy: Policy) -> nn.Parameter:
-    """All weights of `policy` as one vector, of which its parameters and gradients become views.
-
-    Clipping and Adam then cost one operation each, not one for each of 24 small tensors.
-    """
-    parameters = list(policy.parameters())
-    flat = nn.Parameter(nn.utils.parameters_to_vector(parameters).detach())
-    flat.grad = torch.zeros_like(flat)
-    sizes = [parameter.numel() for parameter in parameters]
-    for parameter, data, grad in zip(parameters, flat.data.split(sizes), flat.grad.split(sizes), strict=True):
-        parameter.data = data.view_as(parameter)
-        parameter.grad = grad.view_as(parameter)
-    return flat
 
 
 def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:

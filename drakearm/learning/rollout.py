@@ -90,14 +90,15 @@ class Collector:
         actions = torch.empty(*shape, len(self._low))
         rewards = torch.empty(shape)
         terminated, ended, valid = (torch.empty(shape, dtype=torch.bool) for _ in range(3))
-        noise = actor.log_std.exp() * torch.randn(actions.shape, generator=generator)
+        device = actor.log_std.device
+        noise = actor.log_std.exp().cpu() * torch.randn(actions.shape, generator=generator)
         episode_returns: list[float] = []
         errors: list[NDArray[Any]] = []
 
         for t in range(self._steps):
             observations[t] = torch.as_tensor(self._observation)
             _require_finite(observations[t], "an observation", batch)
-            actions[t] = actor(observations[t]) + noise[t]
+            actions[t] = actor(observations[t].to(device)).cpu() + noise[t]
             bounded = np.clip(actions[t].numpy(), self._low, self._high)
             observation, reward, terminal, truncated, infos = self._envs.step(bounded)
 
