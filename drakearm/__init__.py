@@ -9,4 +9,8 @@ _checkout = Path(__file__).parent.parent
 if (_checkout / "pyproject.toml").is_file():
     __path__.append(str(_checkout))
 
-register(id="drakearm/Track-v0", entry_point="drakearm.experiments.environments:make_env")
+register(
+    id="drakearm/Track-v0",
+    entry_point="drakearm.experiments.environments:make_env",
+    vector_entry_point="drakearm.experiments.environments:make_vector_env",
+)

@@ -1,5 +1,6 @@
 """The environments in which a scenario is learned, alone or many at once."""
 
+from collections.abc import Sequence
 from enum import StrEnum
 from functools import lru_cache, partial
 from pathlib import Path
@@ -19,8 +20,21 @@ def make_env(scenario: str | Path, reference: Reference | None = None) -> Diagra
 
     This is what `gymnasium.make("drakearm/Track-v0", scenario=...)` makes.
     """
-    loaded = load_scenario(scenario)
-    return make_task_env(loaded.task(reference or _planned(scenario)))
+    return make_task_env(scenario_task(scenario, reference))
+
+
+def make_vector_env(scenario: str | Path | Sequence[str | Path], num_envs: int) -> ArmVectorEnv:
+    """Environments of one scenario (name or file), or of several by turns, each with its own plan as reference.
+
+    This is what `gymnasium.make_vec("drakearm/Track-v0", num_envs=..., scenario=...)` makes.
+    """
+    scenarios = [scenario] if isinstance(scenario, str | Path) else scenario
+    return ArmVectorEnv([scenario_task(one) for one in scenarios], num_envs)
+
+
+def scenario_task(scenario: str | Path, reference: Reference | None = None) -> TrackingTask:
+    """The task of a scenario (name or file), with its own plan as reference unless one is given."""
+    return load_scenario(scenario).task(reference or _planned(scenario))
 
 
 def make_task_env(task: TrackingTask) -> DiagramEnv:
@@ -51,7 +65,7 @@ def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorE
     )
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _planned(scenario: str | Path) -> Reference:
     loaded = load_scenario(scenario)
     return plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass, loaded.obstacle).reference

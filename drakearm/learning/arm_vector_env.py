@@ -1,5 +1,6 @@
-"""ArmVectorEnv: the tracking task for many arms at once, stepped by one compiled call."""
+"""ArmVectorEnv: tracking tasks for many arms at once, stepped by one compiled call."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -7,11 +8,11 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from drakearm.diagrams import MakeTrackingTask, TrackingTask
+from drakearm.diagrams import MakeTrackingTask, TaskSystems, TrackingTask
 from drakearm.diagrams.muscle_arm import TIME_STEP
-from drakearm.errors import ActionError
+from drakearm.errors import ActionError, TrainingError
 from drakearm.learning.compiled_arm import rewards, step_arms
-from drakearm.model.dynamics import read_dynamics
+from drakearm.model.dynamics import read_dynamics, stack_dynamics
 from drakearm.model.musculature import resting_states
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.systems.hill_muscles import RESTING_ACTIVATION
@@ -19,7 +20,10 @@ from drakearm.systems.proprioception import LOOKAHEAD, observation_scales
 
 
 class ArmVectorEnv(VectorEnv):
-    """Many copies of the environment that `DiagramEnv` makes of a `TrackingTask`, to rounding errors the same.
+    """Many environments, each the one that `DiagramEnv` makes of a `TrackingTask`, to rounding errors the same.
+
+    tasks: one, or several to mix: arm i does task i % len(tasks), with a reference, load, start and reward of its own.
+    Muscles, coordinates, joint stops and observation are the same in all tasks, or TrainingError names what differs.
 
     Spaces, rewards and info are those of `DiagramEnv`; see there. Environments that end are reset in the same step
     (AutoresetMode.SAME_STEP): the observation is then the first of the next episode, the last one of the episode that
@@ -29,24 +33,37 @@ class ArmVectorEnv(VectorEnv):
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
-    def __init__(self, task: TrackingTask, num_envs: int):
-        _, systems = MakeTrackingTask(task)
-        plant, stops = systems.arm.plant, systems.arm.stops
-        self.num_envs = num_envs
-        self._task = task
-        self._tables = (task.arm.muscle_table, task.arm.path_table, read_dynamics(plant))
-        self._stops = (stops.lower, stops.upper, stops.stiffness, stops.damping)
-        self._weights = task.reward.arrays()
-        self._preview = task.reference.preview(LOOKAHEAD)
-        scales = observation_scales(task.arm, task.observation)
+    def __init__(self, tasks: TrackingTask | Sequence[TrackingTask], num_envs: int):
+        tasks = [tasks] if isinstance(tasks, TrackingTask) else list(tasks)
+        if not 1 <= len(tasks) <= num_envs:
+            raise TrainingError(f"There are {len(tasks)} tasks for {num_envs} arms: expected an arm for every task.")
+        systems = [MakeTrackingTask(task)[1] for task in tasks]
+        _check_alike(systems)
+        arm, stops = systems[0].arm.arm, systems[0].arm.stops
+        scales = observation_scales(arm, tasks[0].observation)
         self._senses, self._scale = tuple(scales), np.concatenate(list(scales.values()))
+        self._arm = arm
+        self._stops = (stops.lower, stops.upper, stops.stiffness, stops.damping)
 
-        n, n_q = len(task.arm.muscles), len(task.arm.coordinates)
+        self.num_envs = num_envs
+        does = np.arange(num_envs) % len(tasks)  # the task of every arm
+        skeletons = [read_dynamics(one.arm.plant) for one in systems]
+        self._tables = (arm.muscle_table, arm.path_table, stack_dynamics([skeletons[task] for task in does]))
+        self._weights = tuple(np.array(weights)[does] for weights in zip(*(t.reward.arrays() for t in tasks), strict=True))
+        self._start = np.array([task.reference.q[0] for task in tasks])[does]
+        self._noise = np.array([task.start_noise for task in tasks])[does]
+        previews = [task.reference.preview(LOOKAHEAD) for task in tasks]
+        lengths = np.array([len(preview) for preview in previews])
+        self._preview = np.concatenate(previews)  # of all tasks; every arm goes from its first row to its last
+        self._last = np.cumsum(lengths)[does] - 1
+        self._first = self._last - lengths[does] + 1
+        self._row = self._first.copy()
+
+        n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
         self._arm_state = np.zeros((num_envs, 2 * n_q))
         self._muscle_state = np.zeros((num_envs, 4 * n))
         self._torque = np.zeros((num_envs, n_q))
-        self._steps = np.zeros(num_envs, dtype=int)
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
         self.single_action_space = Box(0.0, 1.0, (n,), np.float32)
         self.single_observation_space = Box(-np.inf, np.inf, (len(self._scale),), np.float32)
@@ -85,10 +102,10 @@ class ArmVectorEnv(VectorEnv):
             dynamics,
             self._stops,
         )
-        self._steps += 1
+        self._row += 1
         reference_q, reference_v = self._wanted()
         reward = rewards(self._arm_state, acceleration, reference_q, reference_v, self._weights)
-        truncated = self._steps >= len(self._preview) - 1
+        truncated = self._row == self._last
         info = self._info(np.ones(self.num_envs, dtype=bool))
         observation = self._observe()
         if truncated.any():
@@ -99,15 +116,15 @@ class ArmVectorEnv(VectorEnv):
 
     def _restart(self, which: np.ndarray) -> None:
         normals = np.array([self._generators[k].standard_normal(self._n_q) for k in np.flatnonzero(which)])
-        start, noise = self._task.reference.q[0], self._task.start_noise  # as in TaskSystems.StartPosture
-        q = np.clip(start + noise * normals, self._stops[0], self._stops[1])
+        q = self._start[which] + self._noise[which, None] * normals  # as in TaskSystems.StartPosture
+        q = np.clip(q, self._stops[0], self._stops[1])
         self._arm_state[which] = np.hstack([q, np.zeros_like(q)])
-        self._muscle_state[which], self._torque[which] = resting_states(self._task.arm, q, RESTING_ACTIVATION)
-        self._steps[which] = 0
+        self._muscle_state[which], self._torque[which] = resting_states(self._arm, q, RESTING_ACTIVATION)
+        self._row[which] = self._first[which]
 
     def _wanted(self) -> tuple[np.ndarray, np.ndarray]:
         """The q and v, each (N, n_q), that the reference wants now."""
-        wanted = self._preview[self._steps]
+        wanted = self._preview[self._row]
         half = wanted.shape[1] // 2
         return (
             np.ascontiguousarray(wanted[:, : self._n_q]),
@@ -121,7 +138,7 @@ class ArmVectorEnv(VectorEnv):
             "fiber_velocity": fiber_velocity,
             "activation": activation,
             "arm_state": self._arm_state,
-            "reference": self._preview[self._steps],
+            "reference": self._preview[self._row],
         }
         observation, first = np.empty((self.num_envs, len(self._scale)), np.float32), 0
         for name in self._senses:
@@ -137,3 +154,23 @@ class ArmVectorEnv(VectorEnv):
             "activation": self._muscle_state[:, : self._n].copy(),
         }
         return info | {f"_{name}": told for name in info}
+
+
+def _check_alike(systems: list[TaskSystems]) -> None:
+    """Raises TrainingError, naming what differs, unless one compiled arm can do all tasks."""
+    alike = [
+        {
+            "muscles": one.arm.arm.muscles,
+            "coordinates": one.arm.arm.coordinates,
+            "observation": one.task.observation,
+            "joint ranges": (list(one.arm.plant.GetPositionLowerLimits()), list(one.arm.plant.GetPositionUpperLimits())),
+        }
+        for one in systems
+    ]
+    for i, other in enumerate(alike):
+        different = [name for name in other if other[name] != alike[0][name]]
+        if different:
+            raise TrainingError(
+                f"Task {i} differs from task 0 in its {' and '.join(different)}: "
+                "expected the same in all tasks of one vector environment."
+            )

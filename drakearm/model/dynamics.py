@@ -4,6 +4,7 @@ Mass matrix and gravity torques of a chain of revolute joints are trigonometric 
 angle. A plant that is sampled at five angles a joint therefore gives their coefficients exactly, loads included.
 """
 
+from collections.abc import Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -24,7 +25,7 @@ class DynamicsTable(NamedTuple):
 
     A term is coefficient * product over the joints j of the function basis[j] of q_j: 1, cos, sin, cos of the double,
     sin of the double angle. mass_entry: row and column of the mass matrix, row <= column. gravity_entry: the
-    coordinate.
+    coordinate. Coefficients of N skeletons side by side are (N, K) and (N, G), see `stack_dynamics`.
     """
 
     mass_entry: np.ndarray  # (K, 2)
@@ -75,6 +76,22 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
     return table
 
 
+def stack_dynamics(tables: Sequence[DynamicsTable]) -> DynamicsTable:
+    """One table of many skeletons with n_q joints each: the terms that any of them has, with coefficients (N, terms)."""
+
+    def stack(entries: list[np.ndarray], bases: list[np.ndarray], coefficients: list[np.ndarray]) -> list[np.ndarray]:
+        terms = np.concatenate([np.column_stack(term) for term in zip(bases, entries, strict=True)])
+        union, place = np.unique(terms, axis=0, return_inverse=True)
+        stacked = np.zeros((len(tables), len(union)))
+        owner = np.repeat(np.arange(len(tables)), [len(c) for c in coefficients])
+        stacked[owner, place.ravel()] = np.concatenate(coefficients)
+        n_q = bases[0].shape[1]
+        return [union[:, n_q:].reshape(-1, *entries[0].shape[1:]), union[:, :n_q], stacked]
+
+    columns = [list(column) for column in zip(*tables, strict=True)]
+    return DynamicsTable(*(np.ascontiguousarray(array) for array in stack(*columns[:3]) + stack(*columns[3:])))
+
+
 def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> None:
     """Compares with the plant off the grid, where only a chain of revolute joints agrees."""
     q, v = np.full(plant.num_positions(), 0.7), np.ones(plant.num_velocities())
@@ -92,15 +109,9 @@ def _basis(q: np.ndarray) -> np.ndarray:
 
 
 @compiled
-def make_dynamics_lanes(dynamics, n_q, lanes):
-    """Working memory for `lanes` skeletons with the coefficients of this one."""
-    mass_terms, gravity_terms = len(dynamics.mass_entry), len(dynamics.gravity_entry)
-    mass_coefficient, gravity_coefficient = np.empty((mass_terms, lanes)), np.empty((gravity_terms, lanes))
-    for k in range(lanes):
-        for t in range(mass_terms):
-            mass_coefficient[t, k] = dynamics.mass_coefficient[t]
-        for t in range(gravity_terms):
-            gravity_coefficient[t, k] = dynamics.gravity_coefficient[t]
+def make_dynamics_lanes(mass_coefficient, gravity_coefficient, n_q):
+    """Working memory for skeletons side by side with these coefficients, (K, lanes) and (G, lanes)."""
+    lanes = mass_coefficient.shape[1]
     basis, term, mass = np.empty((n_q, 5, lanes)), np.empty(lanes), np.empty((n_q, n_q, lanes))
     return DynamicsLanes(mass_coefficient, gravity_coefficient, basis, term, mass)
 
@@ -109,7 +120,8 @@ def make_dynamics_lanes(dynamics, n_q, lanes):
 def forward_dynamics(q, v, tau, dynamics):
     """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau: M a = tau + gravity - Coriolis."""
     n_q = len(q)
-    work = make_dynamics_lanes(dynamics, n_q, 1)
+    mass_coefficient, gravity_coefficient = dynamics.mass_coefficient, dynamics.gravity_coefficient
+    work = make_dynamics_lanes(mass_coefficient.reshape(-1, 1), gravity_coefficient.reshape(-1, 1), n_q)
     state, a = np.empty((2 * n_q, 1)), np.empty(n_q)
     for j in range(n_q):
         state[j, 0], state[n_q + j, 0], a[j] = q[j], v[j], tau[j]
