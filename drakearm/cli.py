@@ -17,7 +17,7 @@ from drakearm.experiments.environments import EnvKind
 from drakearm.experiments.plan_report import PlanReport
 from drakearm.experiments.plan_table import fact_table, plans_table
 from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import load_scenario, scenario_files
+from drakearm.experiments.scenario import Preset, load_scenario, scenario_files
 from drakearm.experiments.steps import PLANNED, evaluate_step, plan_step, replay_step, train_step
 from drakearm.learning import BatchReport
 from drakearm.model import load_arm
@@ -167,12 +167,19 @@ def run_all(
     out: Out = None,
     batches: Batches = None,
     env: Env = EnvKind.compiled,
+    preset: Annotated[
+        Preset | None,
+        typer.Option(
+            help="`paper` learns as the paper does: 28 observations, from random weights. [default: the scenario's]",
+            show_default=False,
+        ),
+    ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Plan, train, evaluate and replay a scenario, and print a table of how it went."""
     run = _run_folder(scenario, out)
     run.claim(tuple(RunFolder.FILES), overwrite)
-    _plan(run, scenario)
+    _plan(run, scenario, preset)
     _train(run, seed, batches, env)
     metrics = evaluate_step(run)
     replay_step(run)
@@ -193,8 +200,8 @@ def _begun_run(scenario: str, out: Path | None) -> RunFolder:
     return run
 
 
-def _plan(run: RunFolder, scenario: str) -> None:
-    report = plan_step(run, scenario)
+def _plan(run: RunFolder, scenario: str, preset: Preset | None) -> None:
+    report = plan_step(run, scenario, preset=preset)
     planned = report.plan
     console.print(f"planned with {planned.solver} in {planned.seconds:.2f} s: {planned.status}")
     console.print(report.feasibility.verdict)
@@ -236,6 +243,9 @@ def _train(run: RunFolder, seed: int, batches: int | None, env: EnvKind) -> None
     with Progress(*columns, console=console) as progress:
         bar = progress.add_task("training", total=None, report="")
 
+        def imitating(number: int, rounds: int) -> None:
+            progress.update(bar, report=f"imitated static optimization, {number} of {rounds} rounds")
+
         def show(report: BatchReport) -> None:
             text = (
                 f"error {report.tracking_error:.3f} rad, {report.steps_per_second:.0f} steps/s, "
@@ -243,7 +253,7 @@ def _train(run: RunFolder, seed: int, batches: int | None, env: EnvKind) -> None
             )
             progress.update(bar, total=report.batches, completed=report.batch, report=text)
 
-        train_step(run, seed=seed, batches=batches, env=env, on_batch=show)
+        train_step(run, seed=seed, batches=batches, env=env, on_round=imitating, on_batch=show)
 
 
 def _table(run: RunFolder, metrics: dict[str, Any]) -> Table:

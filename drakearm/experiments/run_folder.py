@@ -1,6 +1,7 @@
 """A run folder: all files of one run of a scenario, and enough to repeat it."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 import yaml
 
 from drakearm.errors import RunFolderError
-from drakearm.experiments.scenario import Scenario, find_scenario, load_scenario
+from drakearm.experiments.scenario import Preset, Scenario, find_scenario, load_scenario
 
 
 class RunFolder:
@@ -50,15 +51,17 @@ class RunFolder:
             )
         self.folder.mkdir(parents=True, exist_ok=True)
 
-    def keep_scenario(self, scenario: str | Path) -> Scenario:
+    def keep_scenario(self, scenario: str | Path, preset: Preset | None = None) -> Scenario:
         """Copies the scenario's file, and its arm if that is a user's own, into the folder and returns the scenario.
 
-        Raises ScenarioError where it is not valid.
+        preset: in place of the file's. Raises ScenarioError where it is not valid.
         """
         file, loaded = find_scenario(scenario), load_scenario(scenario)
         if file.resolve() == self.path("scenario").resolve():
             return loaded
         text = file.read_text()
+        if preset is not None:
+            text = re.sub(r"^preset:.*\n", "", text, flags=re.MULTILINE) + f"\npreset: {preset}\n"
         if Path(loaded.arm).is_absolute():
             shutil.copytree(loaded.arm, self.folder / "arm", dirs_exist_ok=True)
             text = yaml.safe_dump({**yaml.safe_load(text), "arm": "arm"}, sort_keys=False)

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import field, replace
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +13,7 @@ from pydantic.dataclasses import dataclass
 
 from drakearm.diagrams import TrackingTask
 from drakearm.errors import ScenarioError
-from drakearm.learning import PpoSettings
+from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import load_arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
@@ -23,6 +24,13 @@ _SHIPPED = Path(__file__).parent / "scenarios"
 _STRICT = ConfigDict(extra="forbid")
 
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class Preset(StrEnum):
+    """Where the settings of observation and training come from that a scenario file does not give."""
+
+    drakearm = "drakearm"
+    paper = "paper"  # 28 observations, learned from random weights; overrules the file's own settings
 
 
 @dataclass(frozen=True, config=_STRICT)
@@ -53,6 +61,7 @@ class Scenario:
     load_mass: NotNegative = 0.0  # kg, welded to the hand
     obstacle: Obstacle | None = None  # what the plan goes around
     training: PpoSettings = field(default_factory=PpoSettings)
+    preset: Preset = Preset.drakearm
 
     def task(self, reference: Reference) -> TrackingTask:
         """The task of following a reference, as the scenario wants it sensed and rewarded."""
@@ -100,5 +109,7 @@ def load_scenario(scenario: str | Path) -> Scenario:
             for p in error.errors()
         )
         raise ScenarioError(f"{file}: {problems}.") from error
+    if loaded.preset is Preset.paper:
+        loaded = replace(loaded, training=PAPER, tracking=replace(loaded.tracking, observation="paper"))
     own = file.resolve().parent / loaded.arm
     return replace(loaded, arm=str(own)) if (own / "muscles.yaml").is_file() else loaded

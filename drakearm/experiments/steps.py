@@ -17,8 +17,9 @@ from drakearm.experiments.metrics import (
 from drakearm.experiments.plan_picture import write_plan_picture
 from drakearm.experiments.plan_report import PlanReport
 from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import Scenario, load_scenario
-from drakearm.learning import BatchReport, Policy, train
+from drakearm.experiments.scenario import Preset, Scenario, load_scenario
+from drakearm.learning import BatchReport, Policy, imitate, train
+from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
@@ -29,16 +30,18 @@ from drakearm.replay import write_replay
 PLANNED = ("reference", "plan", "plan_picture")  # what `plan_step` writes, beside the scenario
 
 
-def plan_step(run: RunFolder, scenario: str | Path, horizon: float | None = None) -> PlanReport:
+def plan_step(
+    run: RunFolder, scenario: str | Path, horizon: float | None = None, preset: Preset | None = None
+) -> PlanReport:
     """Finds the optimal reference of a scenario, and whether the muscles can do it. Writes nothing where it fails.
 
-    horizon: s, plans in a receding horizon (see `plan`).
+    horizon: s, plans in a receding horizon (see `plan`). preset: in place of the scenario's, for the training to come.
     """
     loaded = load_scenario(scenario)
     arm = load_arm(loaded.arm)
     planned = plan(arm, loaded.movement, loaded.load_mass, loaded.obstacle, horizon)
     feasibility = muscle_feasibility(arm, planned.reference, loaded.load_mass)
-    report = PlanReport(run.keep_scenario(scenario), arm, planned, feasibility)
+    report = PlanReport(run.keep_scenario(scenario, preset), arm, planned, feasibility)
     planned.reference.save(run.path("reference"))
     run.write_json("plan", report.content)
     write_plan_picture(report, run.path("plan_picture"))
@@ -51,13 +54,22 @@ def train_step(
     seed: int,
     batches: int | None = None,
     env: EnvKind = EnvKind.compiled,
+    on_round: Callable[[int, int], None] | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
-    """Learns the excitations that follow the run's reference. batches: in place of the scenario's number."""
+    """Learns the excitations that follow the run's reference. batches: in place of the scenario's number.
+
+    on_round: called with the number of each round of imitation, from 1, and how many there are.
+    """
     scenario = run.scenario()
     settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
-    envs = make_training_envs(_task(run, scenario), settings.environments, env)
+    task = _task(run, scenario)
+    envs = make_training_envs(task, settings.environments, env)
+    rounds = settings.imitation_rounds
     start = time.perf_counter()
+
+    def prepare(actor: Actor) -> None:
+        imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
 
     def keep(report: BatchReport) -> None:
         """Notes how far the training got, so that an interrupted one can be evaluated too."""
@@ -74,6 +86,7 @@ def train_step(
             settings,
             seed=seed,
             metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
+            prepare=prepare if rounds else None,
             log_path=run.path("training_log"),
             checkpoint_path=run.path("policy"),
             on_batch=keep,

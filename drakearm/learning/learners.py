@@ -14,6 +14,8 @@ from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop, flat_weights, gradient
 from drakearm.learning.policy import Actor, Critic
 
+ACTOR_DIAGNOSTICS = ("policy_loss", "approx_kl", "clip_fraction")
+
 
 @dataclass(frozen=True)
 class Batch:
@@ -33,7 +35,7 @@ class Batch:
         return max(len(rows) for order in self.orders for rows in order)
 
 
-class _Learner:
+class Learner:
     """A network's weights with Adam, whose gradients are shortened to max_grad_norm."""
 
     def __init__(self, network: nn.Module, max_grad_norm: float) -> None:
@@ -44,17 +46,18 @@ class _Learner:
     def set_learning_rate(self, learning_rate: float) -> None:
         self._optimizer.param_groups[0]["lr"] = learning_rate
 
-    def _step(self, batch: Batch) -> None:
+    def step(self, where: str) -> None:
+        """Follows the gradient. Raises TrainingError, which tells where, if it is not finite."""
         norm = nn.utils.clip_grad_norm_(self._weights, self._max_grad_norm)
         if not norm.isfinite():  # nor is it where the loss is not
             raise TrainingError(
-                f"The gradient of the loss is not finite in batch {batch.number}: "
+                f"The gradient of the loss is not finite in {where}: "
                 "a smaller learning rate or smaller rewards may help."
             )
         self._optimizer.step()
 
 
-class ActorLearner(_Learner):
+class ActorLearner(Learner):
     """Policy gradient with clipped probability ratios (Schulman et al. 2017, eq. 7)."""
 
     def __init__(self, actor: Actor, max_grad_norm: float, clip: float) -> None:
@@ -82,15 +85,15 @@ class ActorLearner(_Learner):
                 backprop.backward(by_log_prob[:, None] * z * inverse_std)
                 if actor.learns_std:
                     gradient(actor.log_std).copy_(by_log_prob @ (z.square() - 1.0))
-                self._step(batch)
+                self.step(f"batch {batch.number}")
                 approx_kl = (ratio - 1.0 - log_ratio).mean()  # Schulman 2020, estimator k3
                 clip_fraction = (ratio != clipped).float().mean()
                 sums += torch.stack([-surrogate.mean(), approx_kl, clip_fraction])
                 steps += 1
-        return dict(zip(("policy_loss", "approx_kl", "clip_fraction"), (sums / steps).tolist(), strict=True))
+        return dict(zip(ACTOR_DIAGNOSTICS, (sums / steps).tolist(), strict=True))
 
 
-class CriticLearner(_Learner):
+class CriticLearner(Learner):
     """Least squares on the returns."""
 
     def __init__(self, critic: Critic, max_grad_norm: float, weight: float) -> None:
@@ -107,7 +110,7 @@ class CriticLearner(_Learner):
             for rows in order:
                 error = backprop.forward(batch.observations[rows])[:, 0] - batch.returns[rows]
                 backprop.backward((2.0 * self._weight / len(error) * error)[:, None])
-                self._step(batch)
+                self.step(f"batch {batch.number}")
                 total += error.square().mean()
                 steps += 1
         return {"value_loss": (total / steps).item()}

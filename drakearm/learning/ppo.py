@@ -18,11 +18,11 @@ import numpy as np
 import torch
 from gymnasium.spaces import Box
 from gymnasium.vector import VectorEnv
-from pydantic import ConfigDict, Field, PositiveFloat, PositiveInt
+from pydantic import ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveInt
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TrainingError
-from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
+from drakearm.learning.learners import ACTOR_DIAGNOSTICS, ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.rollout import Collector, Rollout, gae
 
@@ -31,24 +31,38 @@ UnitInterval = Annotated[float, Field(ge=0.0, le=1.0)]
 
 @dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class PpoSettings:
-    """How to train. The defaults learn the timing movement in 480 thousand steps."""
+    """How to train. The defaults start from imitation; `PAPER` holds those of the paper, which start from nothing."""
 
-    batches: PositiveInt = 200  # rounds of collecting and updating
-    environments: PositiveInt = 32  # arms side by side: what the vector environment must hold
+    batches: PositiveInt = 60  # rounds of collecting and updating
+    environments: PositiveInt = 64  # arms side by side: what the vector environment must hold
     steps: PositiveInt = 75  # control steps per environment and batch
-    epochs: PositiveInt = 10  # passes over a batch
+    epochs: PositiveInt = 5  # passes over a batch
     minibatches: PositiveInt = 8  # updates per pass
-    learning_rate: PositiveFloat = 1e-3  # Adam's in the first batch, falls linearly to zero
+    learning_rate: PositiveFloat = 1e-4  # Adam's in the first batch, falls linearly to zero
     gamma: UnitInterval = 0.97  # discount per control step
     gae_lambda: UnitInterval = 0.95  # 0: one-step advantages, 1: whole returns
     clip: PositiveFloat = 0.2  # how far an action's probability ratio may usefully leave 1
     max_grad_norm: PositiveFloat = 0.5  # longer gradients are shortened to this
     value_weight: PositiveFloat = 0.5  # of the value loss beside the policy loss
-    initial_std: PositiveFloat = 0.3  # of the actions, in their own unit
-    final_std: PositiveFloat | None = 0.03  # towards which it falls geometrically; None: it is learned
+    initial_std: PositiveFloat = 0.05  # of the actions, in their own unit
+    final_std: PositiveFloat | None = 0.02  # towards which it falls geometrically; None: it is learned
+    imitation_rounds: NonNegativeInt = 4  # of imitating static optimization first; 0: starts from random weights
+    critic_batches: NonNegativeInt = 8  # in which only the critic learns: a good actor needs a critic that knows it
     initial_action: float = 0.15  # mean of the actions, in their own unit
     actor_layers: tuple[PositiveInt, ...] = (64,) * 5  # widths of the hidden layers, tanh
     critic_layers: tuple[PositiveInt, ...] = (64,) * 3  # widths of the hidden layers, PReLU
+
+
+PAPER = PpoSettings(
+    batches=200,
+    environments=32,
+    epochs=10,
+    learning_rate=1e-3,
+    initial_std=0.3,
+    final_std=None,
+    imitation_rounds=0,
+    critic_batches=0,
+)
 
 
 @plain_dataclass(frozen=True)
@@ -93,13 +107,15 @@ def train(
     *,
     seed: int,
     metadata: dict[str, Any],
+    prepare: Callable[[Actor], None] | None = None,
     log_path: Path | None = None,
     checkpoint_path: Path | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
     """A policy for `envs`, which stay open; the same seed gives the same policy, bit for bit.
 
-    `metadata` goes into the policy. `log_path` gets a CSV row a batch, with the fields of
+    `metadata` goes into the policy. `prepare` may teach the actor before it learns by trying, as
+    `imitate` does. `log_path` gets a CSV row a batch, with the fields of
     BatchReport; `checkpoint_path` the policy so far after every tenth of the batches and at the
     end; `on_batch` is called after every batch. Raises TrainingError for environments that PPO
     cannot use and as soon as a number is not finite.
@@ -107,6 +123,8 @@ def train(
     observation_space, action_space = _suitable_spaces(envs, settings)
     generator = torch.Generator().manual_seed(seed)
     policy = _initial_policy(observation_space, action_space, settings, metadata, generator)
+    if prepare:
+        prepare(policy.actor)
     policy.to("cuda" if torch.cuda.is_available() else "cpu")
     actor = ActorLearner(policy.actor, settings.max_grad_norm, settings.clip)
     critic = CriticLearner(policy.critic, settings.max_grad_norm, settings.value_weight)
@@ -124,7 +142,10 @@ def train(
                 policy.actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
             rollout = collector.collect(policy.actor, generator, batch)
             experience, explained_variance = _experience(policy, rollout, settings, generator, batch)
-            diagnostics = learn(actor, critic, experience)
+            if batch > settings.critic_batches:
+                diagnostics = learn(actor, critic, experience)
+            else:
+                diagnostics = critic.learn(experience) | dict.fromkeys(ACTOR_DIAGNOSTICS, 0.0)
 
             now = time.perf_counter()
             batch_steps = int(rollout.valid.sum())
