@@ -38,14 +38,16 @@ class PpoSettings:
     steps: PositiveInt = 75  # control steps per environment and batch
     epochs: PositiveInt = 5  # passes over a batch
     minibatches: PositiveInt = 8  # updates per pass
-    learning_rate: PositiveFloat = 1e-4  # Adam's in the first batch, falls linearly to zero
+    learning_rate: PositiveFloat = 3e-5  # the actor's in the first batch
+    target_kl: PositiveFloat | None = 0.02  # nats a batch, kept by the learning rate; None: that falls linearly to zero
+    critic_learning_rate: PositiveFloat = 1e-3  # in the first batch, falls linearly to zero
     gamma: UnitInterval = 0.97  # discount per control step
     gae_lambda: UnitInterval = 0.95  # 0: one-step advantages, 1: whole returns
     clip: PositiveFloat = 0.2  # how far an action's probability ratio may usefully leave 1
     max_grad_norm: PositiveFloat = 0.5  # longer gradients are shortened to this
     value_weight: PositiveFloat = 0.5  # of the value loss beside the policy loss
     initial_std: PositiveFloat = 0.05  # of the actions, in their own unit
-    final_std: PositiveFloat | None = 0.02  # towards which it falls geometrically; None: it is learned
+    final_std: PositiveFloat | None = 0.01  # towards which it falls geometrically; None: it is learned
     imitation_rounds: NonNegativeInt = 4  # of imitating static optimization first; 0: starts from random weights
     critic_batches: NonNegativeInt = 8  # in which only the critic learns: a good actor needs a critic that knows it
     initial_action: float = 0.15  # mean of the actions, in their own unit
@@ -58,6 +60,7 @@ PAPER = PpoSettings(
     environments=32,
     epochs=10,
     learning_rate=1e-3,
+    target_kl=None,
     initial_std=0.3,
     final_std=None,
     imitation_rounds=0,
@@ -130,14 +133,14 @@ def train(
     critic = CriticLearner(policy.critic, settings.max_grad_norm, settings.value_weight)
     collector = Collector(envs, settings.steps, seed)
 
-    steps = 0
+    steps, learning_rate = 0, settings.learning_rate
     start = batch_start = time.perf_counter()
     with ExitStack() as stack:
         write_row = _csv_log(log_path, stack)
         for batch in range(1, settings.batches + 1):
             done = (batch - 1) / settings.batches
-            for learner in (actor, critic):
-                learner.set_learning_rate(settings.learning_rate * (1.0 - done))
+            critic.set_learning_rate(settings.critic_learning_rate * (1.0 - done))
+            actor.set_learning_rate(learning_rate if settings.target_kl else settings.learning_rate * (1.0 - done))
             if settings.final_std is not None:
                 policy.actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
             rollout = collector.collect(policy.actor, generator, batch)
@@ -146,6 +149,9 @@ def train(
                 diagnostics = learn(actor, critic, experience)
             else:
                 diagnostics = critic.learn(experience) | dict.fromkeys(ACTOR_DIAGNOSTICS, 0.0)
+
+            if settings.target_kl and batch > settings.critic_batches:
+                learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
 
             now = time.perf_counter()
             batch_steps = int(rollout.valid.sum())
@@ -171,6 +177,13 @@ def train(
             if on_batch:
                 on_batch(report)
     return policy.cpu()
+
+
+def _adapted(learning_rate: float, kl: float, target: float) -> float:
+    """The learning rate for the next batch, after one whose divergence was kl."""
+    if kl > 1.5 * target:
+        return learning_rate / 1.5
+    return learning_rate * 1.5 if kl < target / 1.5 else learning_rate
 
 
 def _experience(
