@@ -49,7 +49,9 @@ class ArmVectorEnv(VectorEnv):
         does = np.arange(num_envs) % len(tasks)  # the task of every arm
         skeletons = [read_dynamics(one.arm.plant) for one in systems]
         self._tables = (arm.muscle_table, arm.path_table, stack_dynamics([skeletons[task] for task in does]))
-        self._weights = tuple(np.array(weights)[does] for weights in zip(*(t.reward.arrays() for t in tasks), strict=True))
+        self._weights = tuple(
+            np.array(weights)[does] for weights in zip(*(t.reward.arrays() for t in tasks), strict=True)
+        )
         self._start = np.array([task.reference.q[0] for task in tasks])[does]
         self._noise = np.array([task.start_noise for task in tasks])[does]
         previews = [task.reference.preview(LOOKAHEAD) for task in tasks]
@@ -163,7 +165,10 @@ def _check_alike(systems: list[TaskSystems]) -> None:
             "muscles": one.arm.arm.muscles,
             "coordinates": one.arm.arm.coordinates,
             "observation": one.task.observation,
-            "joint ranges": (list(one.arm.plant.GetPositionLowerLimits()), list(one.arm.plant.GetPositionUpperLimits())),
+            "joint ranges": (
+                list(one.arm.plant.GetPositionLowerLimits()),
+                list(one.arm.plant.GetPositionUpperLimits()),
+            ),
         }
         for one in systems
     ]

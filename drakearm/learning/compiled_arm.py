@@ -22,8 +22,8 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
     """Advances N arms in place by a number of time steps with their excitations held; returns their accelerations.
 
     arm_state: (N, 2 n_q), q and v. muscle_state: (N, 4 n), see `muscle_step`. torque: (N, n_q), written: what muscles
-    and stops exert in the last time step. excitation: (N, n). dynamics: of a skeleton for each arm (see
-    `stack_dynamics`). stops: lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the
+    and stops exert in the last time step. excitation: (N, n). dynamics: of N skeletons, see
+    `stack_dynamics`. stops: lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the
     end, with this torque.
     """
     count, n_q = torque.shape
@@ -99,7 +99,7 @@ def _scatter(rows, begin, arms):
 
 @compiled
 def rewards(arm_state, acceleration, reference_q, reference_v, weights):
-    """Rewards (N,) of N arms where they are, see `tracking_reward`; all other arrays (N, n_q), the three weights too."""
+    """Rewards (N,) of N arms where they are, see `tracking_reward`; all arrays (N, n_q), of weights three."""
     n_q = acceleration.shape[1]
     w_q, w_v, w_a = weights
     reward = np.empty(len(arm_state))

@@ -77,7 +77,7 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
 
 
 def stack_dynamics(tables: Sequence[DynamicsTable]) -> DynamicsTable:
-    """One table of many skeletons with n_q joints each: the terms that any of them has, with coefficients (N, terms)."""
+    """One table of N skeletons with equally many joints: all terms that any of them has, 0 where one lacks it."""
 
     def stack(entries: list[np.ndarray], bases: list[np.ndarray], coefficients: list[np.ndarray]) -> list[np.ndarray]:
         terms = np.concatenate([np.column_stack(term) for term in zip(bases, entries, strict=True)])
