@@ -50,7 +50,10 @@ def test_skeletons_side_by_side_are_those_of_their_tables(arm):
     none = {name: getattr(empty, name)[:0] for name in empty._fields if name.startswith("gravity")}
     tables = [empty, empty._replace(**none), loaded]
     stacked = stack_dynamics(tables)
-    work = make_dynamics_lanes(stacked.mass_coefficient.T.copy(), stacked.gravity_coefficient.T.copy(), 2)
+    mass_coefficient, gravity_coefficient = (
+        coefficients.reshape(3, -1).T.copy() for coefficients in (stacked.mass_coefficient, stacked.gravity_coefficient)
+    )
+    work = make_dynamics_lanes(mass_coefficient, gravity_coefficient, 2)
     state, a = np.random.default_rng(0).uniform(-2.0, 2.0, (4, 3)), np.ones((2, 3))
     forward_dynamics_lanes(state, a, stacked, work)
     for k, table in enumerate(tables):
