@@ -73,12 +73,15 @@ class ArmVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
     def reset(
-        self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode in every environment; see gymnasium.vector.VectorEnv.reset. There are no options."""
         if seed is not None:
             seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
-            self._generators = [np.random.default_rng(s) for s in seeds]
+            self._generators = [
+                generator if one is None else np.random.default_rng(one)
+                for generator, one in zip(self._generators, seeds, strict=True)
+            ]
         everywhere = np.ones(self.num_envs, dtype=bool)
         self._restart(everywhere)
         return self._observe(), self._info(everywhere)

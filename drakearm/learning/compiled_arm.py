@@ -22,13 +22,15 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
     """Advances N arms in place by a number of time steps with their excitations held; returns their accelerations.
 
     arm_state: (N, 2 n_q), q and v. muscle_state: (N, 4 n), see `muscle_step`. torque: (N, n_q), written: what muscles
-    and stops exert in the last time step. excitation: (N, n). dynamics: of a skeleton for each arm (see
-    `stack_dynamics`). stops: lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the
+    and stops exert in the last time step. excitation: (N, n). dynamics: of N skeletons, see
+    `stack_dynamics`. stops: lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the
     end, with this torque.
     """
     count, n_q = torque.shape
     lower, upper, stiffness, damping = stops
     acceleration = np.empty((count, n_q))
+    mass_coefficient = dynamics.mass_coefficient.reshape(count, len(dynamics.mass_entry))
+    gravity_coefficient = dynamics.gravity_coefficient.reshape(count, len(dynamics.gravity_entry))
     lanes = -1
     for begin in range(0, count, LANES):
         if lanes != min(LANES, count - begin):
@@ -44,11 +46,12 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
                 np.empty((2 * n_q, lanes)),
                 np.empty((n_q, lanes)),
             )
-            mass_terms, gravity_terms = len(dynamics.mass_entry), len(dynamics.gravity_entry)
-            skeleton = make_dynamics_lanes(np.empty((mass_terms, lanes)), np.empty((gravity_terms, lanes)), n_q)
+            skeleton = make_dynamics_lanes(
+                np.empty((mass_coefficient.shape[1], lanes)), np.empty((gravity_coefficient.shape[1], lanes)), n_q
+            )
             work = make_muscle_lanes(muscles, paths, n_q, lanes)
-        _gather(dynamics.mass_coefficient, begin, skeleton.mass_coefficient)
-        _gather(dynamics.gravity_coefficient, begin, skeleton.gravity_coefficient)
+        _gather(mass_coefficient, begin, skeleton.mass_coefficient)
+        _gather(gravity_coefficient, begin, skeleton.gravity_coefficient)
         _gather(arm_state, begin, x)
         _gather(muscle_state, begin, state)
         _gather(excitation, begin, u)
@@ -99,7 +102,7 @@ def _scatter(rows, begin, arms):
 
 @compiled
 def rewards(arm_state, acceleration, reference_q, reference_v, weights):
-    """Rewards (N,) of N arms where they are, see `tracking_reward`; all other arrays (N, n_q), the three weights too."""
+    """Rewards (N,) of N arms where they are, see `tracking_reward`; all arrays (N, n_q), of weights three."""
     n_q = acceleration.shape[1]
     w_q, w_v, w_a = weights
     reward = np.empty(len(arm_state))

@@ -25,7 +25,7 @@ class DynamicsTable(NamedTuple):
 
     A term is coefficient * product over the joints j of the function basis[j] of q_j: 1, cos, sin, cos of the double,
     sin of the double angle. mass_entry: row and column of the mass matrix, row <= column. gravity_entry: the
-    coordinate. Coefficients of N skeletons side by side are (N, K) and (N, G), see `stack_dynamics`.
+    coordinate. Coefficients of N skeletons follow each other, (N K,) and (N G,), see `stack_dynamics`.
     """
 
     mass_entry: np.ndarray  # (K, 2)
@@ -77,7 +77,10 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
 
 
 def stack_dynamics(tables: Sequence[DynamicsTable]) -> DynamicsTable:
-    """One table of many skeletons with n_q joints each: the terms that any of them has, with coefficients (N, terms)."""
+    """One table of N skeletons with equally many joints: all terms that any of them has, 0 where one lacks it.
+
+    It has the array types of a table of one skeleton, so that the compiler need not work twice.
+    """
 
     def stack(entries: list[np.ndarray], bases: list[np.ndarray], coefficients: list[np.ndarray]) -> list[np.ndarray]:
         terms = np.concatenate([np.column_stack(term) for term in zip(bases, entries, strict=True)])
@@ -86,7 +89,7 @@ def stack_dynamics(tables: Sequence[DynamicsTable]) -> DynamicsTable:
         owner = np.repeat(np.arange(len(tables)), [len(c) for c in coefficients])
         stacked[owner, place.ravel()] = np.concatenate(coefficients)
         n_q = bases[0].shape[1]
-        return [union[:, n_q:].reshape(-1, *entries[0].shape[1:]), union[:, :n_q], stacked]
+        return [union[:, n_q:].reshape(-1, *entries[0].shape[1:]), union[:, :n_q], stacked.ravel()]
 
     columns = [list(column) for column in zip(*tables, strict=True)]
     return DynamicsTable(*(np.ascontiguousarray(array) for array in stack(*columns[:3]) + stack(*columns[3:])))

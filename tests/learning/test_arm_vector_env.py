@@ -1,57 +1,21 @@
-"""ArmVectorEnv: the same arm as DiagramEnv, many times; Gymnasium's contract for vector environments."""
+"""ArmVectorEnv: Gymnasium's contract for vector environments, and tasks that one batch mixes."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from drakearm.diagrams import MakeTrackingTask
-from drakearm.errors import ActionError
-from drakearm.learning import ArmVectorEnv, DiagramEnv
-from drakearm.model.reference import CONTROL_STEP
+from drakearm.errors import ActionError, TrainingError
+from drakearm.learning import ArmVectorEnv
+from drakearm.model.reference import Reference
+from drakearm.systems import RewardWeights
 
 
-def diagram_env(task):
-    diagram, systems = MakeTrackingTask(task)
-    return DiagramEnv(diagram, systems.Reset, control_step=CONTROL_STEP, episode_steps=len(task.reference.t) - 1)
-
-
-@pytest.mark.parametrize("observation", ["paper", "full"])
-@pytest.mark.parametrize("load", [0.0, 5.0])
-def test_parity_with_the_diagram(task, observation, load):
-    """Whole episodes of two environments: state, observation and reward agree to 1e-8, at every step."""
-    task = replace(task, observation=observation, load_mass=load)
-    many, seed = ArmVectorEnv(task, 2), 5
-    rng = np.random.default_rng(seed)
-    actions = rng.random((75, 2, 14)) ** 3
-    observations, _ = many.reset(seed=seed)
-    singles = [diagram_env(task) for _ in range(2)]
-    for i, single in enumerate(singles):
-        first, _ = single.reset(seed=seed + i)
-        np.testing.assert_allclose(observations[i], first, atol=1e-7, err_msg="first observation")
-    for k in range(75):
-        observations, rewards, _, truncated, info = many.step(actions[k])
-        if truncated.any():
-            observations = info["final_obs"]
-        for i, single in enumerate(singles):
-            one, reward, _, over, one_info = single.step(actions[k, i])
-            where = f"at step {k} of environment {i}"
-            np.testing.assert_allclose(
-                info["arm_state"][i], one_info["arm_state"], rtol=1e-8, atol=1e-8, err_msg=f"arm_state {where}"
-            )
-            np.testing.assert_allclose(
-                info["activation"][i], one_info["activation"], atol=1e-8, err_msg=f"activation {where}"
-            )
-            np.testing.assert_allclose(rewards[i], reward, rtol=1e-8, atol=1e-8, err_msg=f"reward {where}")
-            np.testing.assert_allclose(
-                observations[i],
-                one,
-                rtol=1e-6,
-                atol=1e-7,
-                err_msg=f"observation {where}",  # float32
-            )
-            assert truncated[i] == over
+def shortened(reference, steps):
+    """The first steps of a reference."""
+    return Reference(*(getattr(reference, name)[: steps + 1] for name in ("t", "q", "v", "a", "tau")))
 
 
 def test_it_resets_itself_in_the_same_step(task):
@@ -66,6 +30,69 @@ def test_it_resets_itself_in_the_same_step(task):
     assert np.abs(info["final_obs"] - observation).max() > 0.5  # the end of one episode, the start of the next
     assert np.abs(info["tracking_error"]).max() > 0.3  # of the transition, not of the new start
     np.testing.assert_allclose(observation[:, 28:42], 0.05)  # resting activations
+
+
+def test_every_arm_ends_with_its_own_reference(task):
+    """Arms 0, 2, 4 follow 75 steps, arms 1 and 3 follow 30: each starts anew when its own reference ends."""
+    envs = ArmVectorEnv([task, replace(task, reference=shortened(task.reference, 30))], 5)
+    envs.reset(seed=0)
+    ends = []
+    for k in range(1, 151):
+        observation, _, _, truncated, info = envs.step(np.full((5, 14), 0.1))
+        ends += [(k, int(arm)) for arm in np.flatnonzero(truncated)]
+        assert ("final_obs" in info) == truncated.any()
+        if truncated.any():
+            np.testing.assert_array_equal(info["_final_obs"], truncated)
+            np.testing.assert_allclose(observation[truncated, 28:42], 0.05)  # resting activations
+            assert (np.abs(observation[~truncated, 28:42] - 0.05) > 0.04).all()  # the others go on
+    expected = [(k, arm) for k, arms in ((30, (1, 3)), (60, (1, 3)), (75, (0, 2, 4)), (90, (1, 3))) for arm in arms]
+    assert ends == [*expected, (120, 1), (120, 3), *((150, arm) for arm in range(5))]
+
+
+def test_an_arm_does_not_notice_the_others(task):
+    """Reference, load, start and reward of a task are the same in a mixed batch as in one of its own."""
+    other = replace(
+        task,
+        reference=shortened(task.reference, 40),
+        load_mass=5.0,
+        start_noise=0.2,
+        reward=RewardWeights(position=(1.0, 2.0), velocity=(0.0, 0.3), acceleration=(1e-5, 0.0)),
+    )
+    actions = np.random.default_rng(0).random((50, 4, 14))
+    mixed = ArmVectorEnv([task, other], 4)
+    first, _ = mixed.reset(seed=[1, 2, 3, 4])
+    mixed_steps = [mixed.step(action) for action in actions]
+    for k, alone in enumerate([ArmVectorEnv(task, 2), ArmVectorEnv(other, 2)]):
+        np.testing.assert_array_equal(alone.reset(seed=[1 + k, 3 + k])[0], first[k::2])
+        for action, (observation, reward, _, truncated, info) in zip(actions, mixed_steps, strict=True):
+            expected = alone.step(action[k::2])
+            np.testing.assert_allclose(info["arm_state"][k::2], expected[4]["arm_state"], rtol=1e-8, atol=1e-8)
+            np.testing.assert_allclose(reward[k::2], expected[1], rtol=1e-8, atol=1e-8)
+            np.testing.assert_allclose(observation[k::2], expected[0], rtol=1e-6, atol=1e-7)
+            np.testing.assert_array_equal(truncated[k::2], expected[3])
+
+
+def test_tasks_for_different_arms_are_refused(task):
+    first, *others = task.arm.muscles
+    weaker = replace(task.arm, muscles=(replace(first, max_isometric_force=10.0), *others))
+    with pytest.raises(TrainingError, match="Task 1 differs from task 0 in its muscles: expected the same"):
+        ArmVectorEnv([task, replace(task, arm=weaker)], 2)
+    with pytest.raises(TrainingError, match="Task 2 differs from task 0 in its observation"):
+        ArmVectorEnv([task, task, replace(task, observation="paper")], 4)
+
+
+def test_joints_with_other_ranges_are_refused(task, tmp_path):
+    skeleton = tmp_path / "skeleton.urdf"
+    skeleton.write_text(re.sub(r'upper="[^"]*"', 'upper="1.0"', task.arm.skeleton.read_text()))
+    stiff = replace(task, arm=replace(task.arm, skeleton=skeleton))
+    with pytest.raises(TrainingError, match="Task 1 differs from task 0 in its joint ranges"):
+        ArmVectorEnv([task, stiff], 2)
+
+
+@pytest.mark.parametrize(("tasks", "arms"), [(0, 4), (3, 2)])
+def test_every_task_needs_an_arm(task, tasks, arms):
+    with pytest.raises(TrainingError, match=f"{tasks} tasks for {arms} arms"):
+        ArmVectorEnv([task] * tasks, arms)
 
 
 def test_seeds_repeat_and_differ_between_environments(task):

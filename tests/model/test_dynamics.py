@@ -7,7 +7,13 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import ArmError
-from drakearm.model.dynamics import forward_dynamics, read_dynamics
+from drakearm.model.dynamics import (
+    forward_dynamics,
+    forward_dynamics_lanes,
+    make_dynamics_lanes,
+    read_dynamics,
+    stack_dynamics,
+)
 
 from ..chains import make_chain
 
@@ -36,6 +42,23 @@ def test_arm(arm, load):
 @pytest.mark.parametrize("joints", [1, 3, 4])
 def test_any_chain_of_revolute_joints(joints):
     assert_same_accelerations(make_chain(joints))
+
+
+def test_skeletons_side_by_side_are_those_of_their_tables(arm):
+    """With different coefficients, and with terms that one of them lacks."""
+    empty, loaded = (read_dynamics(MakeTorqueArm(arm, load)) for load in (0.0, 5.0))
+    none = {name: getattr(empty, name)[:0] for name in empty._fields if name.startswith("gravity")}
+    tables = [empty, empty._replace(**none), loaded]
+    stacked = stack_dynamics(tables)
+    mass_coefficient, gravity_coefficient = (
+        coefficients.reshape(3, -1).T.copy() for coefficients in (stacked.mass_coefficient, stacked.gravity_coefficient)
+    )
+    work = make_dynamics_lanes(mass_coefficient, gravity_coefficient, 2)
+    state, a = np.random.default_rng(0).uniform(-2.0, 2.0, (4, 3)), np.ones((2, 3))
+    forward_dynamics_lanes(state, a, stacked, work)
+    for k, table in enumerate(tables):
+        expected = forward_dynamics(state[:2, k].copy(), state[2:, k].copy(), np.ones(2), table)
+        np.testing.assert_allclose(a[:, k], expected, rtol=1e-12)
 
 
 def test_sliding_joint_is_refused():

@@ -1,0 +1,92 @@
+"""DiagramEnv and ArmVectorEnv are the same: every shipped scenario, alone and all in one batch, over whole episodes."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+from drakearm.experiments.environments import make_task_env, scenario_task
+from drakearm.experiments.scenario import scenario_files
+from drakearm.learning import ArmVectorEnv
+
+NAMES = list(scenario_files())
+TOLERANCE = {"first observation": 2.0**-23, "observation": 2.0**-23, "final_obs": 2.0**-23}  # float32; all else: 1e-8
+BEYOND = 5  # steps into the second episode
+
+
+def draw_actions(kind, steps, arms, seed=0):
+    """Excitations (steps, arms, 14): anywhere, or where an untrained policy's are."""
+    rng = np.random.default_rng(seed)
+    if kind == "uniform":
+        return rng.random((steps, arms, 14))
+    return np.clip(0.15 + 0.2 * rng.standard_normal((steps, arms, 14)), 0.0, 1.0)
+
+
+def diagrams(tasks):
+    """Gymnasium's own vector environment of DiagramEnvs, one for each task."""
+    return SyncVectorEnv([partial(make_task_env, task) for task in tasks], autoreset_mode=AutoresetMode.SAME_STEP)
+
+
+def assert_same(names, step, actual, expected):
+    """Names the quantity and the scenario that part most at a step. Both: quantity to array (N, ...)."""
+    for quantity, values in actual.items():
+        tolerance = TOLERANCE.get(quantity, 1e-8)
+        wanted = np.asarray(expected[quantity], dtype=float)
+        excess = np.abs(values - wanted) - tolerance * np.abs(wanted) - 1e-8
+        arms = excess.reshape(len(names), -1).max(axis=1)
+        worst = int(arms.argmax())
+        assert arms[worst] <= 0.0, (
+            f"{names[worst]} parts at step {step} in {quantity}: {values[worst]} and on the Diagram {wanted[worst]}"
+        )
+
+
+def transition(step, names):
+    """What a step returned, with the info of the transition where Gymnasium has the reset's."""
+    observation, reward, terminated, truncated, info = step
+    told = {name: info[name].copy() for name in ("arm_state", "activation", "tracking_error")}
+    final = np.zeros_like(observation)
+    for i in np.flatnonzero(truncated):
+        final[i] = info["final_obs"][i]
+        for name, values in told.items():
+            values[i] = info.get("final_info", info)[name][i]
+    ends = {"terminated": terminated.astype(float), "truncated": truncated.astype(float)}
+    return told | {"reward": reward} | ends | {"final_obs": final, "observation": observation}
+
+
+def assert_parity(names, many, ones, actions, seed, first=0):
+    """Walks the arms of `many` from `first` on beside `ones`. actions: (steps, arms of many, 14)."""
+    arms = slice(first, first + len(names))
+    observation, _ = many.reset(seed=seed)
+    wanted, _ = ones.reset(seed=seed + first)
+    assert_same(names, 0, {"first observation": observation[arms]}, {"first observation": wanted})
+    for k, action in enumerate(actions):
+        *result, info = many.step(action)
+        info = {name: values[arms] for name, values in info.items()}
+        actual = transition((*(values[arms] for values in result), info), names)
+        assert_same(names, k, actual, transition(ones.step(action[arms]), names))
+
+
+@pytest.mark.parametrize("kind", ["uniform", "policy"])
+@pytest.mark.parametrize("name", NAMES)
+def test_every_scenario(name, kind):
+    task, arms = scenario_task(name), 2
+    actions = draw_actions(kind, len(task.reference.t) - 1 + BEYOND, arms)
+    assert_parity([name] * arms, ArmVectorEnv(task, arms), diagrams([task] * arms), actions, seed=7)
+
+
+@pytest.mark.parametrize("kind", ["uniform", "policy"])
+def test_all_scenarios_in_one_batch(kind):
+    """Of four arms for every scenario the last ones are compared: they lie in two of the kernel's blocks."""
+    tasks = [scenario_task(name) for name in NAMES]
+    many = ArmVectorEnv(tasks, 4 * len(tasks))
+    steps = max(len(task.reference.t) for task in tasks) + BEYOND
+    actions = draw_actions(kind, steps, many.num_envs)
+    assert_parity(NAMES, many, diagrams(tasks), actions, seed=7, first=3 * len(tasks))
+
+
+def test_the_papers_observation(task):
+    task = replace(task, observation="paper", load_mass=5.0)
+    actions = draw_actions("uniform", len(task.reference.t) - 1 + BEYOND, 2)
+    assert_parity(["paper"] * 2, ArmVectorEnv(task, 2), diagrams([task] * 2), actions, seed=7)
