@@ -12,7 +12,7 @@ from drakearm.model.dynamics import forward_dynamics_lanes, make_dynamics_lanes
 from drakearm.model.joint_stops import one_stop_torque
 from drakearm.model.musculature import make_muscle_lanes, step_muscle_lanes
 from drakearm.model.tracking import tracking_reward
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import compiled, inner
 
 LANES = 64
 
@@ -22,9 +22,8 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
     """Advances N arms in place by a number of time steps with their excitations held; returns their accelerations.
 
     arm_state: (N, 2 n_q), q and v. muscle_state: (N, 4 n), see `muscle_step`. torque: (N, n_q), written: what muscles
-    and stops exert in the last time step. excitation: (N, n). dynamics: of N skeletons, see
-    `stack_dynamics`. stops: lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the
-    end, with this torque.
+    and stops exert in the last time step. excitation: (N, n). dynamics: of N skeletons, see `stack_dynamics`. stops:
+    lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the end, with this torque.
     """
     count, n_q = torque.shape
     lower, upper, stiffness, damping = stops
@@ -55,28 +54,30 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
         _gather(arm_state, begin, x)
         _gather(muscle_state, begin, state)
         _gather(excitation, begin, u)
-        for _ in range(steps):
-            step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, work)
+        for half in range(2 * steps + 1):  # every step needs two accelerations; the last one is returned
+            starts = half % 2 == 0
+            if starts and half < 2 * steps:
+                step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, work)
+                for j in range(n_q):
+                    for k in range(lanes):
+                        q = x[j, k] + 0.5 * time_step * x[n_q + j, k]
+                        tau[j, k] += one_stop_torque(q, x[n_q + j, k], lower[j], upper[j], stiffness, damping)
+            at, acceleration_at = (x, a) if starts else (later_x, later_a)
             for j in range(n_q):
                 for k in range(lanes):
-                    q = x[j, k] + 0.5 * time_step * x[n_q + j, k]
-                    tau[j, k] += one_stop_torque(q, x[n_q + j, k], lower[j], upper[j], stiffness, damping)
-                    a[j, k] = tau[j, k]
-                    later_a[j, k] = tau[j, k]
-            forward_dynamics_lanes(x, a, dynamics, skeleton)
+                    acceleration_at[j, k] = tau[j, k]
+            forward_dynamics_lanes(at, acceleration_at, dynamics, skeleton)
+            if half == 2 * steps:
+                break
             for j in range(n_q):
                 for k in range(lanes):
-                    later_x[j, k] = x[j, k] + time_step * x[n_q + j, k]
-                    later_x[n_q + j, k] = x[n_q + j, k] + time_step * a[j, k]
-            forward_dynamics_lanes(later_x, later_a, dynamics, skeleton)
-            for j in range(n_q):
-                for k in range(lanes):
-                    x[j, k] += 0.5 * time_step * (x[n_q + j, k] + later_x[n_q + j, k])
-                    x[n_q + j, k] += 0.5 * time_step * (a[j, k] + later_a[j, k])
-        for j in range(n_q):
-            for k in range(lanes):
-                a[j, k] = tau[j, k]
-        forward_dynamics_lanes(x, a, dynamics, skeleton)
+                    v = x[n_q + j, k]
+                    if starts:
+                        later_x[j, k] = x[j, k] + time_step * v
+                        later_x[n_q + j, k] = v + time_step * a[j, k]
+                    else:
+                        x[j, k] += 0.5 * time_step * (v + later_x[n_q + j, k])
+                        x[n_q + j, k] = v + 0.5 * time_step * (a[j, k] + later_a[j, k])
         _scatter(x, begin, arm_state)
         _scatter(state, begin, muscle_state)
         _scatter(tau, begin, torque)
@@ -84,7 +85,7 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
     return acceleration
 
 
-@compiled
+@inner
 def _gather(arms, begin, rows):
     """Copies the arms (N, size) from `begin` on into rows (size, lanes)."""
     for k in range(rows.shape[1]):
@@ -92,7 +93,7 @@ def _gather(arms, begin, rows):
             rows[i, k] = arms[begin + k, i]
 
 
-@compiled
+@inner
 def _scatter(rows, begin, arms):
     """Copies rows (size, lanes) back into the arms (N, size) from `begin` on."""
     for k in range(rows.shape[1]):

@@ -13,7 +13,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
-from drakearm.muscle.compiled import compiled, inlined
+from drakearm.muscle.compiled import compiled, inlined, inner
 from drakearm.muscle.elementary import sincos
 
 _ANGLES = 2.0 * np.pi / 5.0 * np.arange(5)
@@ -97,18 +97,35 @@ def stack_dynamics(tables: Sequence[DynamicsTable]) -> DynamicsTable:
 
 def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> None:
     """Compares with the plant off the grid, where only a chain of revolute joints agrees."""
-    q, v = np.full(plant.num_positions(), 0.7), np.ones(plant.num_velocities())
+    n_q = plant.num_positions()
+    q, v = np.full(n_q, 0.7), np.ones(n_q)
     plant.SetPositions(context, q)
     plant.SetVelocities(context, v)
     expected = plant.EvalTimeDerivatives(context).get_generalized_velocity().CopyToVector()
-    actual = forward_dynamics(q, v, np.zeros(len(q)), table)
-    if not np.allclose(actual, expected, rtol=1e-6, atol=1e-6):
+    functions = np.stack([_basis(q), _slopes(q)])
+    force, mass = np.zeros(n_q), np.zeros((n_q, n_q))
+    joints = np.arange(n_q)
+    for entry, basis, c in zip(table.gravity_entry, table.gravity_basis, table.gravity_coefficient, strict=True):
+        force[entry] += c * functions[0, joints, basis].prod()
+    for (row, column), basis, c in zip(table.mass_entry, table.mass_basis, table.mass_coefficient, strict=True):
+        share = c / 2 if row == column else c  # row and column both take it
+        derivative = share * np.array([functions[(joints == i).astype(int), joints, basis].prod() for i in joints])
+        mass[[row, column], [column, row]] += share * functions[0, joints, basis].prod() * (1 + (row == column))
+        force[row] -= derivative @ v * v[column]
+        force[column] -= derivative @ v * v[row]
+        force += derivative * v[row] * v[column]
+    if not np.allclose(np.linalg.solve(mass, force), expected, rtol=1e-6, atol=1e-6):
         raise ArmError("The skeleton cannot be compiled: expected a chain of revolute joints.")
 
 
 def _basis(q: np.ndarray) -> np.ndarray:
     """The five functions (..., 5) of angles (...)."""
     return np.stack([np.ones_like(q), np.cos(q), np.sin(q), np.cos(2 * q), np.sin(2 * q)], axis=-1)
+
+
+def _slopes(q: np.ndarray) -> np.ndarray:
+    """Their derivatives (..., 5)."""
+    return np.stack([np.zeros_like(q), -np.sin(q), np.cos(q), -2 * np.sin(2 * q), 2 * np.cos(2 * q)], axis=-1)
 
 
 @compiled
@@ -132,7 +149,7 @@ def forward_dynamics(q, v, tau, dynamics):
     return a
 
 
-@compiled
+@inner
 def forward_dynamics_lanes(state, force, dynamics, work):
     """`forward_dynamics` for skeletons side by side: turns torques (n_q, lanes) into accelerations, in place.
 
@@ -171,7 +188,7 @@ def forward_dynamics_lanes(state, force, dynamics, work):
     _solve_lanes(mass, force)
 
 
-@compiled
+@inner
 def _term(t, coefficient, bases, by, basis, term):
     """Writes term t of a table (lanes,), differentiated by the angle of joint `by` unless that is -1."""
     for k in range(len(term)):
@@ -193,7 +210,7 @@ def _add_product(force, row, factor, term, state, i, j):
         force[row, k] += factor * term[k] * state[i, k] * state[j, k]
 
 
-@compiled
+@inner
 def _solve_lanes(mass, force):
     """Solves mass * a = force in every lane; mass: upper triangle. Both are overwritten."""
     n, lanes = force.shape
@@ -214,7 +231,7 @@ def _solve_lanes(mass, force):
             force[i, k] *= mass[i, i, k]
 
 
-@compiled
+@inner
 def solve(mass, force):
     """Solves mass * a = force for a positive definite mass matrix, which it overwrites, as it does force."""
     n = len(force)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from drakearm.model.dynamics import forward_dynamics, solve
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import compiled, inner
 
 
 @compiled
@@ -53,7 +53,7 @@ def linearize_dynamics(q, v, tau, dynamics):
     return a, by
 
 
-@compiled
+@inner
 def _functions(q):
     """The five functions of every joint angle with their first and second derivatives, (3, n_q, 5)."""
     functions = np.empty((3, len(q), 5))
@@ -66,7 +66,7 @@ def _functions(q):
     return functions
 
 
-@compiled
+@inner
 def _product(functions, basis, i, j):
     """A term without its coefficient, differentiated by q_i and by q_j; -1 for neither."""
     product = 1.0

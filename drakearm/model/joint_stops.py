@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import compiled, inner
 
 SOFTENING = 0.02  # rad, penetration over which the damper comes in
 HARDENING = 0.15  # rad, penetration at which the spring pulls twice as hard as a linear one
 
 
-@compiled
+@inner
 def one_stop_torque(q, v, lower, upper, stiffness, damping):
     """Torque (Nm) that pushes a joint at angle q and speed v back into [lower, upper].
 

@@ -12,10 +12,11 @@ from drakearm.errors import EquilibriumError
 from drakearm.model.arm import Arm
 from drakearm.model.paths import PathPieces, count_terms, evaluate_path_lanes, evaluate_paths, make_path_pieces
 from drakearm.muscle.activation import activation_rate, activation_step
-from drakearm.muscle.compiled import compiled, inlined
+from drakearm.muscle.compiled import compiled, inlined, inner
 from drakearm.muscle.contraction import (
     bdf2_base,
     equilibrium_fiber_length,
+    fiber_step,
     fiber_steps,
     fiber_velocity,
     rigid_fiber,
@@ -36,7 +37,7 @@ def muscle_geometry(q, muscles, paths):
     return length, moment_arm
 
 
-@compiled
+@inner
 def mtu_velocity(i, moment_arm, v):
     """Rate of change (m/s) of the musculotendon length of muscle i."""
     velocity = 0.0
@@ -45,7 +46,7 @@ def mtu_velocity(i, moment_arm, v):
     return velocity
 
 
-@compiled
+@inner
 def muscle_force(activation, fiber_length, mtu_length, mtu_speed, m):
     """Tendon force (N) of a muscle with either kind of tendon."""
     if m.rigid_tendon:
@@ -98,7 +99,7 @@ class MuscleLanes(NamedTuple):
     later: np.ndarray  # (lanes,), fiber lengths
 
 
-@compiled
+@inner
 def make_muscle_lanes(muscles, paths, n_q, lanes):
     """Working memory for `lanes` arms with the same muscles."""
     n, terms = len(muscles), count_terms(paths)
@@ -146,7 +147,7 @@ def _step_rigid(state, excitation, i, n, time_step, length, speed, force, m):
         state[n + i, k], state[3 * n + i, k], _ = rigid_fiber(next_length, next_speed, m)
 
 
-@compiled
+@inner
 def step_muscle_lanes(state, tau, excitation, arm_state, time_step, muscles, paths, work):
     """`muscle_step` for arms side by side: every array has a second index, the lane, and `work` is for so many."""
     pieces, q, length, slope, speed, force, later = work
@@ -178,7 +179,7 @@ def step_muscle_lanes(state, tau, excitation, arm_state, time_step, muscles, pat
         term += 1
 
 
-@compiled
+@inner
 def _path_speeds(arm_state, paths, slope, speed):
     """Writes the rates of change (n, 2 lanes) of the musculotendon lengths."""
     speed[:] = 0.0
@@ -203,17 +204,29 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     order in the time step; where a tendon is rigid, the held force is of first order, for its damping lags by half a
     step.
     """
-    work = make_muscle_lanes(muscles, paths, len(tau), 1)
-    step_muscle_lanes(
-        state.reshape(-1, 1),
-        tau.reshape(-1, 1),
-        excitation.reshape(-1, 1),
-        arm_state.reshape(-1, 1),
-        time_step,
-        muscles,
-        paths,
-        work,
-    )
+    n, n_q = len(muscles), len(tau)
+    q, v = arm_state[:n_q], arm_state[n_q:]
+    length, moment_arm = muscle_geometry(q, muscles, paths)
+    next_length, next_moment_arm = muscle_geometry(q + time_step * v, muscles, paths)
+    tau[:] = 0.0
+    for i in range(n):
+        m = muscle_parameters(muscles[i], muscles[i].model_code)
+        fiber, previous = state[n + i], state[2 * n + i]
+        speed, next_speed = 0.0, 0.0
+        activation = activation_step(state[i], excitation[i], time_step, m)
+        if m.rigid_tendon:
+            speed, next_speed = mtu_velocity(i, moment_arm, v), mtu_velocity(i, next_moment_arm, v)
+            next_fiber, velocity, _ = rigid_fiber(next_length[i], next_speed, m)
+        else:
+            next_fiber, velocity = fiber_step(activation, fiber, previous, next_length[i], time_step, m)
+        force = muscle_force(state[i], fiber, length[i], speed, m)
+        next_force = muscle_force(activation, next_fiber, next_length[i], next_speed, m)
+        for j in range(n_q):
+            tau[j] += 0.5 * (moment_arm[i, j] * force + next_moment_arm[i, j] * next_force)
+        state[i] = activation
+        state[n + i] = next_fiber
+        state[2 * n + i] = fiber
+        state[3 * n + i] = velocity
 
 
 @compiled
@@ -239,7 +252,7 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
     return report
 
 
-@compiled
+@inner
 def _equilibrium(activation, q, muscles, paths):
     length, _ = muscle_geometry(q, muscles, paths)
     fiber_length = np.empty(len(muscles))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import BSpline
 
-from drakearm.muscle.compiled import compiled, inlined
+from drakearm.muscle.compiled import inlined, inner
 
 _LEAST_ORDER = 4  # coefficients of a piece: room for those of a cubic spline, and for the four numbers of a header
 
@@ -43,7 +43,7 @@ def _knots(spline: BSpline) -> list[float]:
     return np.unique(spline.t[spline.k : len(spline.t) - spline.k]).tolist()
 
 
-@compiled
+@inner
 def count_terms(paths):
     """The number of terms in a table."""
     terms = header = 0
@@ -63,7 +63,7 @@ class PathPieces(NamedTuple):
     coefficients: np.ndarray  # (order, terms, lanes)
 
 
-@compiled
+@inner
 def make_path_pieces(paths, lanes):
     """PathPieces in which no lane has found its piece."""
     terms, order = count_terms(paths), paths.shape[1] - 1
@@ -97,7 +97,7 @@ def _follow_pieces(q, j, paths, first, last, found, start, stop, knot, term):
     return True
 
 
-@compiled
+@inner
 def evaluate_path_lanes(q, paths, pieces, length, slope):
     """Writes lengths (n, lanes), m, and the slopes (terms, lanes), m/rad, of each term, at joint angles q (n_q, lanes).
 
@@ -106,7 +106,8 @@ def evaluate_path_lanes(q, paths, pieces, length, slope):
     found, start, stop, knot, c = pieces
     lanes, order = len(found), len(c)
     length[:] = 0.0
-    header = term = group = 0
+    header = 0
+    term = group = np.int64(0)  # not a literal, for which Numba would compile `_follow_pieces` once more
     moved = False
     while header < len(paths):
         i, j = int(paths[header, 0]), int(paths[header, 1])
@@ -142,7 +143,7 @@ def evaluate_path_lanes(q, paths, pieces, length, slope):
         term += 1
 
 
-@compiled
+@inner
 def _evaluate_term(q, rows):
     """Value, first and second derivative at q of the spline with these knots and pieces."""
     last = len(rows) - 2
@@ -161,7 +162,7 @@ def _evaluate_term(q, rows):
     return value + slope * (q - x), slope, 0.0
 
 
-@compiled
+@inner
 def evaluate_paths(q, paths, length, moment_arm):
     """Writes lengths (n,) and moment arms (n, n_q), both in m, at the joint angles q (n_q,) in rad."""
     length[:] = 0.0
@@ -175,7 +176,7 @@ def evaluate_paths(q, paths, length, moment_arm):
         header = end
 
 
-@compiled
+@inner
 def evaluate_path_curvatures(q, paths, curvature):
     """Writes the second derivatives (n, n_q) of the lengths (m/rad^2); mixed ones vanish, as lengths are sums."""
     curvature[:] = 0.0

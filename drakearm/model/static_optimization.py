@@ -9,7 +9,7 @@ import numpy as np
 
 from drakearm.model.dynamics import solve
 from drakearm.model.musculature import mtu_velocity, muscle_geometry
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import compiled, inner
 from drakearm.muscle.contraction import (
     ITERATIONS,
     TOLERANCE,
@@ -27,7 +27,7 @@ _DUAL_STEPS = 50
 _DUAL_TOLERANCE = 1e-7  # Nm
 
 
-@compiled
+@inner
 def steady_force(activation, mtu_length, mtu_speed, m):
     """Tendon force (N) of a muscle whose tendon keeps its present strain, and its slope by activation.
 
@@ -64,7 +64,7 @@ def steady_force(activation, mtu_length, mtu_speed, m):
     return force, 0.0
 
 
-@compiled
+@inner
 def _smallest_controls(gain, wanted, lower):
     """The x (n,) in [lower, 1] with least |x|^2 + RESERVE_WEIGHT |wanted - x gain|^2; gain (n, n_q), wanted (n_q,).
 
@@ -95,7 +95,7 @@ def _smallest_controls(gain, wanted, lower):
     return x
 
 
-@compiled
+@inner
 def _dual_gradient(p, gain, wanted, lower):
     """The x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost."""
     x = np.minimum(np.maximum(gain @ p, lower), 1.0)

@@ -1,5 +1,6 @@
 """The decorator of all compiled functions: Numba, with a cache that knows when any of drakearm's sources changed."""
 
+import functools
 import hashlib
 import os
 from collections.abc import Callable
@@ -57,6 +58,32 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:
     return dispatcher
 
 
+class _Inner:
+    """A compiled function for other compiled functions, which spares the compiler the passage from Python.
+
+    Called from Python it still works, by a passage that every process compiles when it is first needed.
+    """
+
+    def __init__(self, function: Callable[..., Any], **options: Any):
+        self._dispatcher = compiled(function, no_cpython_wrapper=True, **options)
+        self._numba_type_ = self._dispatcher._numba_type_  # makes Numba see the compiled function itself
+        self.py_func = function
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._passage(*arguments)
+
+    @functools.cached_property
+    def _passage(self) -> Any:
+        dispatcher = self._dispatcher
+        return numba.njit(lambda *arguments: dispatcher(*arguments))
+
+
+def inner(function: Callable[..., Any]) -> Any:
+    """Like `compiled`, for what other compiled functions call: it compiles in half the time."""
+    return _Inner(function)
+
+
 def inlined(function: Callable[..., Any]) -> Any:
-    """Like `compiled`, for what stands in a loop over lanes: without a call the loop can use vector instructions."""
-    return compiled(function, forceinline=True)
+    """Like `inner`, for what stands in a loop over lanes: without a call the loop can use vector instructions."""
+    return _Inner(function, forceinline=True)

@@ -6,7 +6,7 @@ sqrt(l^2 - width^2). Fibers below their minimum length count as that long, as in
 
 import math
 
-from drakearm.muscle.compiled import compiled, inlined
+from drakearm.muscle.compiled import inlined, inner
 from drakearm.muscle.curves import (
     active_force_length,
     force_of_velocity,
@@ -126,7 +126,7 @@ def newton_move(x, weight, base, activation, mtu_length, m):
     return residual, residual / (weight - slope)
 
 
-@compiled
+@inner
 def solve_fiber(weight, base, activation, mtu_length, guess, m):
     """Fiber length x with weight * (x - base) = fiber_velocity(x), or the shortest one where that is above the root.
 
@@ -150,7 +150,7 @@ def solve_fiber(weight, base, activation, mtu_length, guess, m):
     return x
 
 
-@compiled
+@inner
 def equilibrium_fiber_length(activation, mtu_length, m):
     """Fiber length (m) at which a resting fiber and its tendon pull alike; NaN if none is short enough."""
     if m.rigid_tendon:
@@ -163,7 +163,7 @@ def equilibrium_fiber_length(activation, mtu_length, m):
     return solve_fiber(0.0, 0.0, activation, mtu_length, guess, m)
 
 
-@compiled
+@inner
 def fiber_step(activation, fiber_length, previous_fiber_length, mtu_length, time_step, m):
     """Fiber length and velocity a time step later, with activation and musculotendon length of that later instant.
 

@@ -2,7 +2,7 @@
 
 import math
 
-from drakearm.muscle.compiled import compiled
+from drakearm.muscle.compiled import inner
 from drakearm.muscle.curves import active_force_length, passive_force_length
 
 # W/kg; Bhargava, Pandy, Anderson, "A phenomenological model for estimating metabolic energy consumption in muscle
@@ -12,7 +12,7 @@ _MAINTENANCE_SLOW, _MAINTENANCE_FAST = 74.0, 111.0
 _LEAST_HEAT = 1.0
 
 
-@compiled
+@inner
 def fiber_forces(fiber_length, tendon_force, m):
     """Active and passive force (N) along the fiber that together carry a tendon force."""
     cosine = math.sqrt(1.0 - (m.fiber_width / fiber_length) ** 2)
@@ -21,7 +21,7 @@ def fiber_forces(fiber_length, tendon_force, m):
     return tendon_force / cosine - passive, passive
 
 
-@compiled
+@inner
 def fiber_and_tendon_power(fiber_length, fiber_velocity, mtu_velocity, tendon_force, m):
     """Power (W) that the fiber and that the tendon deliver; their sum is -tendon_force * mtu_velocity."""
     cosine = math.sqrt(1.0 - (m.fiber_width / fiber_length) ** 2)
@@ -29,7 +29,7 @@ def fiber_and_tendon_power(fiber_length, fiber_velocity, mtu_velocity, tendon_fo
     return -tendon_force * along, -tendon_force * (mtu_velocity - along)
 
 
-@compiled
+@inner
 def metabolic_power(activation, excitation, fiber_length, fiber_velocity, active, passive, m):
     """Metabolic power (W) of a muscle: heat of activation, maintenance and shortening, and work (Bhargava et al. 2004).
 
@@ -55,7 +55,7 @@ def metabolic_power(activation, excitation, fiber_length, fiber_velocity, active
     return max(heat, _LEAST_HEAT * m.mass) + work
 
 
-@compiled
+@inner
 def _maintenance_by_length(length):
     """How maintenance heat depends on the normalized fiber length: 0.5 to 0.5, 1 at 1, 0 from 1.5."""
     if length <= 0.5:
