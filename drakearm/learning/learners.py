@@ -81,7 +81,8 @@ class ActorLearner(Learner):
                 clipped = ratio.clamp(1.0 - self._clip, 1.0 + self._clip)
                 surrogate = torch.minimum(ratio * gain, clipped * gain)
                 # The loss is -mean(surrogate); where the clipped product is the smaller one, its slope is 0.
-                by_log_prob = torch.where(ratio * gain <= clipped * gain, ratio * gain, 0.0) / -len(gain)
+                # NaN is not greater than anything: it goes on into the gradient, where it is noticed.
+                by_log_prob = torch.where(ratio * gain > clipped * gain, 0.0, ratio * gain) / -len(gain)
                 backprop.backward(by_log_prob[:, None] * z * inverse_std)
                 if actor.learns_std:
                     gradient(actor.log_std).copy_(by_log_prob @ (z.square() - 1.0))

@@ -4,7 +4,9 @@ import pytest
 import yaml
 
 from drakearm.errors import ScenarioError
-from drakearm.experiments.scenario import load_scenario, scenario_files
+from drakearm.experiments.run_folder import RunFolder
+from drakearm.experiments.scenario import Preset, load_scenario, scenario_files
+from drakearm.learning import PAPER
 
 
 @pytest.mark.parametrize("name", scenario_files())
@@ -25,9 +27,9 @@ def test_unknown_scenario_lists_the_known_ones():
         (lambda s: s.pop("movement"), ["movement", "required"]),
         (lambda s: s["movement"].pop("target_deg"), ["movement.target_deg", "required"]),
         (lambda s: s["tracking"].update(observation="smell"), ["tracking.observation", "paper, full"]),
-        (lambda s: s["training"].update(batches=-1), ["training.batches", "greater than 0"]),
+        (lambda s: s.update(training={"batches": -1}), ["training.batches", "greater than 0"]),
         (lambda s: s.update(load_mass=-2), ["load_mass", "greater than or equal to 0"]),
-        (lambda s: s["training"].update(optimizer="sgd"), ["training.optimizer"]),
+        (lambda s: s.update(training={"optimizer": "sgd"}), ["training.optimizer"]),
     ],
 )
 def test_wrong_field_is_named(tmp_path, change, named):
@@ -47,3 +49,20 @@ def test_file_that_is_no_scenario(tmp_path, text):
     file.write_text(text)
     with pytest.raises(ScenarioError, match=r"mine\.yaml"):
         load_scenario(file)
+
+
+def test_the_papers_preset_overrules_the_file(tmp_path):
+    fields = yaml.safe_load(scenario_files()["timing-0.7s"].read_text())
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump(fields | {"preset": "paper"}))
+    scenario = load_scenario(file)
+    assert scenario.training == PAPER and scenario.tracking.observation == "paper"
+    assert load_scenario("timing-0.7s").training.imitation_rounds > 0
+
+
+def test_a_run_keeps_its_preset(tmp_path):
+    run = RunFolder(tmp_path)
+    run.keep_scenario("timing-0.7s", Preset.paper)
+    assert run.scenario().training == PAPER
+    run.keep_scenario(run.path("scenario"))
+    assert run.scenario().training == PAPER

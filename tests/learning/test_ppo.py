@@ -28,6 +28,12 @@ SMALL = PpoSettings(
     initial_action=0.0,
     actor_layers=(16, 16),
     critic_layers=(16,),
+    learning_rate=1e-3,
+    target_kl=None,
+    initial_std=0.3,
+    final_std=None,
+    imitation_rounds=0,
+    critic_batches=0,
 )
 
 
@@ -120,7 +126,7 @@ def test_actions_are_kept_as_sampled_and_clipped_for_the_environment():
 @pytest.mark.parametrize(("terminates", "value"), [(False, 1 / (1 - 0.7)), (True, 1 + 0.7 + 0.7**2)])
 def test_value_looks_beyond_a_time_limit_but_not_beyond_a_termination(mode, terminates, value):
     envs = vectorize(Counter, mode=mode, length=3, terminates=terminates)
-    settings = replace(SMALL, batches=50, gamma=0.7, learning_rate=1e-2)
+    settings = replace(SMALL, batches=50, gamma=0.7, learning_rate=1e-2, critic_learning_rate=1e-2)
     reports = []
     policy = train(envs, settings, seed=0, metadata={}, on_batch=reports.append)
     assert policy.critic(torch.zeros(1)).item() == pytest.approx(value, rel=0.15)
@@ -130,7 +136,8 @@ def test_value_looks_beyond_a_time_limit_but_not_beyond_a_termination(mode, term
 
 @pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
 def test_learns_to_track(mode):
-    settings = replace(SMALL, batches=40, environments=8, steps=40, epochs=8, learning_rate=3e-3, gamma=0.9)
+    settings = replace(SMALL, batches=40, environments=8, steps=40, epochs=8, gamma=0.9)
+    settings = replace(settings, learning_rate=3e-3, critic_learning_rate=3e-3)
     reports = []
     envs = vectorize(Tracker, n=8, mode=mode)
     policy = train(envs, settings, seed=1, metadata={}, on_batch=reports.append)
@@ -280,3 +287,32 @@ def test_tracking_error_is_that_of_transitions_and_not_of_resets(mode):
     steps = 4 if mode is AutoresetMode.SAME_STEP else 5  # with the step that only resets
     rollout = Collector(envs, steps, seed=0).collect(Actor(1, 1), torch.Generator(), batch=1)
     assert rollout.tracking_error == (1 + 2 + 3 + 4) / 4
+
+
+def test_exploration_fades_as_scheduled():
+    reports = []
+    settings = replace(SMALL, batches=4, initial_std=0.4, final_std=0.1)
+    train(vectorize(Tracker), settings, seed=0, metadata={}, on_batch=reports.append)
+    np.testing.assert_allclose([r.std for r in reports], 0.4 * 0.25 ** np.array([0.0, 0.25, 0.5, 0.75]), rtol=1e-5)
+
+
+def test_only_the_critic_learns_at_first():
+    weights = []
+    for critic_batches in (0, 3):
+        settings = replace(SMALL, critic_batches=critic_batches)
+        policy = train(vectorize(Tracker), settings, seed=0, metadata={}, prepare=lambda actor: weights.append(
+            torch.cat([p.detach().ravel().clone() for p in actor.parameters()])
+        ))  # fmt: skip
+        weights.append(torch.cat([p.detach().ravel() for p in policy.actor.parameters()]))
+    assert (weights[0] != weights[1]).any()
+    torch.testing.assert_close(weights[2], weights[3], rtol=0.0, atol=0.0)
+
+
+def test_the_learning_rate_holds_the_divergence():
+    """From a rate a hundred times too high and too low alike."""
+    for learning_rate in (1e-1, 1e-5):
+        reports = []
+        settings = replace(SMALL, batches=60, learning_rate=learning_rate, target_kl=0.01)
+        train(vectorize(Tracker), settings, seed=0, metadata={}, on_batch=reports.append)
+        late = np.median([report.approx_kl for report in reports[30:]])
+        assert 0.003 < late < 0.03

@@ -1,0 +1,60 @@
+"""Imitation: the expert tracks what muscles can do, and an actor learns it from a few rounds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from drakearm.learning import ArmVectorEnv, imitate
+from drakearm.learning.expert import StaticExpert
+from drakearm.learning.policy import Actor
+
+
+def errors(envs: ArmVectorEnv, act) -> np.ndarray:
+    """Mean absolute tracking errors (n_q,) of arm 0 over its episode; act: from observation and info to actions."""
+    observation, info = envs.reset(seed=0)
+    found, over = [], False
+    while not over:
+        observation, _, _, truncated, info = envs.step(act(observation, info, len(found)))
+        found.append(np.abs(info["tracking_error"][0]))
+        over = truncated[0]
+    return np.mean(found, axis=0)
+
+
+@pytest.mark.parametrize("load", [0.0, 2.0])
+def test_the_expert_tracks_what_muscles_can_do(task, load):
+    task = replace(task, load_mass=load)
+    expert = StaticExpert([task], 2)
+    act = lambda observation, info, k: expert.act(info["arm_state"], info["activation"], np.full(2, k))  # noqa: E731
+    assert np.all(errors(ArmVectorEnv(task, 2), act) < 0.015)
+
+
+@pytest.mark.slow
+def test_an_actor_learns_to_track_by_imitation(task):
+    actor, rounds = Actor(58, 14), []
+    envs = ArmVectorEnv(task, 2)
+    act = lambda observation, info, k: actor(torch.tensor(observation)).detach().numpy().clip(0, 1)  # noqa: E731
+    assert errors(envs, act).max() > 0.2
+    imitate(actor, [task], 3, seed=0, on_round=rounds.append)
+    assert errors(envs, act).max() < 0.05
+    assert rounds == [1, 2, 3]
+
+
+def test_the_same_seed_teaches_the_same(task):
+    short = replace(task, reference=replace(task.reference, **{n: getattr(task.reference, n)[:6] for n in "tqva"}))
+    weights = []
+    for seed in (0, 0, 1):
+        actor = Actor(58, 14, (16,))
+        imitate(actor, [short], 2, seed)
+        weights.append(torch.cat([p.detach().ravel() for p in actor.parameters()]))
+    torch.testing.assert_close(weights[0], weights[1], rtol=0.0, atol=0.0)
+    assert (weights[0] != weights[2]).any()
+
+
+def test_tasks_may_be_mixed(task):
+    short = replace(task, reference=replace(task.reference, **{n: getattr(task.reference, n)[:6] for n in "tqva"}))
+    actor = Actor(58, 14, (16,))
+    before = actor.mean[0].weight.clone()
+    imitate(actor, [short, replace(short, load_mass=1.0)], 1, seed=0)
+    assert (actor.mean[0].weight != before).any()
