@@ -31,7 +31,8 @@ from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.experiments.environments import make_task_env
 from drakearm.experiments.metrics import run_policy
 from drakearm.experiments.scenario import Scenario, load_scenario
-from drakearm.learning import ArmVectorEnv, BatchReport, Policy, train
+from drakearm.learning import ArmVectorEnv, BatchReport, Policy, imitate, train
+from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning import plan
@@ -93,11 +94,11 @@ def measure_vector(arms: int, muscles: int = 14, clock: Callable[[], float] = ti
 
 
 def measure_ppo() -> None:
-    """PPO with the scenario's settings, collecting and updating: the median batch but the first."""
+    """PPO with the scenario's settings, collecting and updating on two cores: the median batch but the first."""
     scenario, task = load_task()
-    settings = replace(scenario.training, batches=PPO_BATCHES)
+    settings = replace(scenario.training, batches=PPO_BATCHES, critic_batches=0)
     envs, times = ArmVectorEnv(task, settings.environments), []
-    train(envs, settings, seed=0, metadata={}, on_batch=lambda _: times.append(time.process_time()))
+    train(envs, settings, seed=0, metadata={}, on_batch=lambda _: times.append(time.perf_counter()))
     steps = settings.environments * settings.steps / statistics.median(np.diff(times))
     tell("PPO on ArmVectorEnv", task, settings.environments, steps)
 
@@ -124,7 +125,11 @@ def measure_learning() -> None:
                         seconds.setdefault(wanted, now - began - pauses)
             pauses += time.perf_counter() - now
 
-        train(envs, scenario.training, seed=0, metadata={}, checkpoint_path=file, on_batch=evaluate)
+        def prepare(actor: Actor) -> None:
+            imitate(actor, [task], scenario.training.imitation_rounds, seed=0)
+
+        settings = scenario.training
+        train(envs, settings, seed=0, metadata={}, prepare=prepare, checkpoint_path=file, on_batch=evaluate)
     total = time.perf_counter() - began - pauses
     print(json.dumps({"seconds": [seconds.get(wanted) for wanted in ERRORS], "total": total, "error": error}))
 
