@@ -79,7 +79,7 @@ class BatchTimes(BaseCallback):
 
 
 def main() -> None:
-    torch.set_num_threads(2)  # it computes better on two cores
+    torch.set_num_threads(1)  # with two it is slower: the networks are too small to share out
     settings = PpoSettings()
     scenario = load_scenario("timing-0.7s")
     task = scenario.task(plan(load_arm(scenario.arm), scenario.movement).reference)
