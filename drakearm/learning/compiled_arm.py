@@ -10,7 +10,7 @@ import numpy as np
 
 from drakearm.model.dynamics import forward_dynamics_lanes, make_dynamics_lanes
 from drakearm.model.joint_stops import one_stop_torque
-from drakearm.model.musculature import make_muscle_lanes, step_muscle_lanes
+from drakearm.model.muscle_lanes import make_muscle_lanes, step_muscle_lanes
 from drakearm.model.tracking import tracking_reward
 from drakearm.muscle.compiled import compiled, inner
 

@@ -147,11 +147,10 @@ def train(
             experience, explained_variance = _experience(policy, rollout, settings, generator, batch)
             if batch > settings.critic_batches:
                 diagnostics = learn(actor, critic, experience)
+                if settings.target_kl:
+                    learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
             else:
                 diagnostics = critic.learn(experience) | dict.fromkeys(ACTOR_DIAGNOSTICS, 0.0)
-
-            if settings.target_kl and batch > settings.critic_batches:
-                learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
 
             now = time.perf_counter()
             batch_steps = int(rollout.valid.sum())

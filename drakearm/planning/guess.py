@@ -9,9 +9,10 @@ from pydrake.trajectories import PiecewisePolynomial
 from drakearm.errors import PlanningError
 from drakearm.model.motion import Motion
 from drakearm.planning.movement import Movement, in_degrees
+from drakearm.planning.problem import Problem
 from drakearm.planning.skeleton import Skeleton
 from drakearm.planning.torques import inverse_dynamics
-from drakearm.planning.transcription import angle_limits
+from drakearm.planning.transcription import angle_limits, transcribe
 
 _LONGEST_DETOUR = np.deg2rad(60.0)  # by which a joint may leave the straight way
 _DETOURS = 625  # tried, about: 25 for each of two joints
@@ -38,6 +39,15 @@ def straight_guess(skeleton: Skeleton, movement: Movement, times: np.ndarray) ->
     states = PiecewisePolynomial.CubicHermite(times, np.hstack([q, v]).T, np.hstack([v, a]).T)
     torques = inverse_dynamics(skeleton.plant, q, v, a)
     return Motion(states, PiecewisePolynomial.FirstOrderHold(times, torques.T))
+
+
+def transcribe_movement(skeleton: Skeleton, movement: Movement) -> Problem:
+    """The problem of a whole movement of fixed duration, from its start at rest in equilibrium."""
+    assert isinstance(movement.duration, float)
+    times = np.linspace(0.0, movement.duration, movement.knots)
+    start = (np.concatenate([movement.start, np.zeros_like(movement.start)]), skeleton.gravity_torque(movement.start))
+    guess = straight_guess(skeleton, movement, times)
+    return transcribe(skeleton, movement, times, start, guess, arrives=movement.end == "rest")
 
 
 def minimum_jerk(

@@ -41,9 +41,9 @@ def solve_newton(problem: Problem) -> tuple[MathematicalProgramResult | None, in
     linear = [_Linear(problem, term, convex) for term in problem.nonlinear]
 
     x = problem.prog.initial_guess()
+    defect, jacobian = motion(x)
     solver = ClarabelSolver()
     for iteration in range(1, ITERATIONS + 1):
-        defect, jacobian = motion(x)
         dynamics.evaluator().UpdateCoefficients(jacobian, jacobian @ x[index].ravel() - defect)
         for term in linear:
             term.update(x)
@@ -52,7 +52,8 @@ def solve_newton(problem: Problem) -> tuple[MathematicalProgramResult | None, in
             return None, iteration
         step = np.abs(result.get_x_val()[index] - x[index]).max()
         x = result.get_x_val()
-        if step < _SETTLED and np.abs(motion(x)[0]).max() < _FEASIBLE and all(t.missed(x) < _FEASIBLE for t in linear):
+        defect, jacobian = motion(x)
+        if step < _SETTLED and np.abs(defect).max() < _FEASIBLE and all(t.missed(x) < _FEASIBLE for t in linear):
             return result, iteration
     return None, ITERATIONS
 

@@ -14,14 +14,13 @@ from drakearm.model.motion import Motion
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning.collocation import solve
-from drakearm.planning.guess import straight_guess
+from drakearm.planning.guess import transcribe_movement
 from drakearm.planning.movement import Movement, in_degrees
 from drakearm.planning.receding_horizon import RecedingHorizon
 from drakearm.planning.request import check_request
 from drakearm.planning.resample import make_reference
 from drakearm.planning.result import Plan
 from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.transcription import transcribe
 from drakearm.planning.verification import check, verify
 
 _TOO_SHORT = 1e9  # stands for the cost of a duration without a plan
@@ -57,12 +56,8 @@ def plan(
 
 def _plan(skeleton: Skeleton, movement: Movement) -> Plan:
     """The best movement of a fixed duration."""
-    times = np.linspace(0.0, movement.duration, movement.knots)
-    start = (np.concatenate([movement.start, np.zeros_like(movement.start)]), skeleton.gravity_torque(movement.start))
-    guess = straight_guess(skeleton, movement, times)
-    problem = transcribe(skeleton, movement, times, start, guess, arrives=movement.end == "rest")
     what = f"from {in_degrees(movement.start_deg)} to {in_degrees(movement.target_deg)} in {movement.duration:g} s"
-    solution = solve(problem, movement.costs, what)
+    solution = solve(transcribe_movement(skeleton, movement), movement.costs, what)
     verification = verify(skeleton, movement, solution.motion)
     check(verification, movement)
     return Plan(

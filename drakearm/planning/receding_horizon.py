@@ -9,7 +9,7 @@ from drakearm.errors import PlanningError
 from drakearm.model.motion import Motion
 from drakearm.planning.collocation import evaluate, guess_scale, solve
 from drakearm.planning.costs import Posture, TorqueRate
-from drakearm.planning.guess import straight_guess
+from drakearm.planning.guess import straight_guess, transcribe_movement
 from drakearm.planning.movement import Movement
 from drakearm.planning.skeleton import Skeleton
 from drakearm.planning.transcription import transcribe
@@ -91,13 +91,8 @@ class RecedingHorizon:
 
     def _scale(self) -> float:
         """That of the whole movement: costs of an arm that has arrived are too small to scale by."""
-        movement = self._movement
-        start = np.concatenate([movement.start, np.zeros_like(movement.start)])
-        times = np.linspace(0.0, self._duration, movement.knots)
-        guess = straight_guess(self._skeleton, movement, times)
-        torque = self._skeleton.gravity_torque(movement.start)
-        problem = transcribe(self._skeleton, movement, times, (start, torque), guess, arrives=False)
-        return guess_scale(problem, [binding for cost in movement.costs for binding in cost.add(problem)])
+        problem = transcribe_movement(self._skeleton, self._movement)
+        return guess_scale(problem, [binding for cost in self._movement.costs for binding in cost.add(problem)])
 
 
 def _continued(before: Motion, times: np.ndarray) -> Motion:

@@ -5,9 +5,7 @@ import numpy as np
 from drakearm.errors import PlanningError
 from drakearm.planning.movement import Movement
 from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.transcription import angle_limits
-
-_ROUNDING = 1e-9  # rad
+from drakearm.planning.transcription import ROUNDING, angle_limits
 
 
 def check_request(skeleton: Skeleton, movement: Movement) -> None:
@@ -33,7 +31,7 @@ def _check_posture(skeleton: Skeleton, movement: Movement, name: str, q: np.ndar
     lower, upper = angle_limits(skeleton, movement)
     torque = skeleton.gravity_torque(q)
     for i, joint in enumerate(skeleton.coordinates):
-        if not lower[i] - _ROUNDING <= q[i] <= upper[i] + _ROUNDING:
+        if not lower[i] - ROUNDING <= q[i] <= upper[i] + ROUNDING:
             low, high = np.rad2deg([lower[i], upper[i]])
             raise PlanningError(
                 f"The {name} has the {joint} at {np.rad2deg(q[i]):.4g} deg: expected an angle "

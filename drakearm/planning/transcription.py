@@ -8,7 +8,7 @@ from drakearm.planning.movement import Movement
 from drakearm.planning.problem import NamedConstraint, Problem
 from drakearm.planning.skeleton import Skeleton
 
-_ROUNDING = 1e-9  # by which a posture may lie outside the joint limits, rad
+ROUNDING = 1e-9  # by which a posture may lie outside the joint limits, rad
 
 
 def transcribe(
@@ -71,7 +71,7 @@ def _add_limits(problem: Problem, movement: Movement, first: int, last: int) -> 
     for i, joint in enumerate(problem.coordinates):
         # A start or target on a limit may lie beyond it by a rounding.
         angles = [problem.q(k)[i] for k in knots]
-        problem.prog.AddBoundingBoxConstraint(lower[i] - _ROUNDING, upper[i] + _ROUNDING, angles)
+        problem.prog.AddBoundingBoxConstraint(lower[i] - ROUNDING, upper[i] + ROUNDING, angles)
         speeds = [problem.v(k)[i] for k in knots]
         problem.add_limit(f"speed limit of the {joint}", "rad/s", movement.speed_limit[i], knots, speeds)
         torques = [problem.tau(k)[i] for k in knots]
