@@ -62,10 +62,9 @@ class TrackingReward(LeafSystem):
         self.DeclareVectorOutputPort("tracking_error", self._n_q, self._calc_error, states)
 
     def _calc_reward(self, context: Context, output: BasicVector) -> None:
-        q, v = np.split(self._arm_state.Eval(context), 2)
-        reference_q, reference_v = np.split(self._reference.Eval(context), 2)
+        n_q, x, wanted = self._n_q, self._arm_state.Eval(context), self._reference.Eval(context)
         a = self._acceleration.Eval(context)
-        output[0] = tracking_reward(q, v, a, reference_q, reference_v, *self._weights)
+        output[0] = tracking_reward(x[:n_q], x[n_q:], a, wanted[:n_q], wanted[n_q:], *self._weights)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
         q = self._arm_state.Eval(context)[: self._n_q]
