@@ -80,7 +80,8 @@ def JointStops_(T):
             held_stop_torque(tau, arm_state, self.time_step, *limits)
 
         def _calc_generalized_force(self, context: Context, output: BasicVector_[T]):
-            q, v = np.split(self._arm_state.Eval(context), 2)
+            arm_state, n_q = self._arm_state.Eval(context), len(self.lower)
+            q, v = arm_state[:n_q], arm_state[n_q:]
             if T is float:
                 tau = stop_torque(q, v, self.lower, self.upper, self.stiffness, self.damping)
             else:
