@@ -7,14 +7,16 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
+from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.diagrams import MakeTrackingTask, TaskSystems, TrackingTask
+from drakearm.diagrams import MakeTorqueArm, TrackingTask
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
-from drakearm.learning.compiled_arm import rewards, step_arms
-from drakearm.model.dynamics import read_dynamics, stack_dynamics
+from drakearm.learning.compiled_arm import CompiledArms
+from drakearm.model.dynamics import read_dynamics
 from drakearm.model.musculature import resting_states
 from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.tracking import tracking_reward
 from drakearm.systems.hill_muscles import RESTING_ACTIVATION
 from drakearm.systems.proprioception import LOOKAHEAD, observation_scales
 
@@ -37,18 +39,18 @@ class ArmVectorEnv(VectorEnv):
         tasks = [tasks] if isinstance(tasks, TrackingTask) else list(tasks)
         if not 1 <= len(tasks) <= num_envs:
             raise TrainingError(f"There are {len(tasks)} tasks for {num_envs} arms: expected an arm for every task.")
-        systems = [MakeTrackingTask(task)[1] for task in tasks]
-        _check_alike(systems)
-        arm, stops = systems[0].arm.arm, systems[0].arm.stops
+        plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
+        _check_alike(tasks, plants)
+        arm = tasks[0].arm
         scales = observation_scales(arm, tasks[0].observation)
         self._senses, self._scale = tuple(scales), np.concatenate(list(scales.values()))
         self._arm = arm
-        self._stops = (stops.lower, stops.upper, stops.stiffness, stops.damping)
+        self._lower, self._upper = plants[0].GetPositionLowerLimits(), plants[0].GetPositionUpperLimits()
 
         self.num_envs = num_envs
         does = np.arange(num_envs) % len(tasks)  # the task of every arm
-        skeletons = [read_dynamics(one.arm.plant) for one in systems]
-        self._tables = (arm.muscle_table, arm.path_table, stack_dynamics([skeletons[task] for task in does]))
+        skeletons = [read_dynamics(plant) for plant in plants]
+        self._arms = CompiledArms(arm, [skeletons[task] for task in does], self._lower, self._upper)
         self._weights = tuple(
             np.array(weights)[does] for weights in zip(*(t.reward.arrays() for t in tasks), strict=True)
         )
@@ -63,9 +65,6 @@ class ArmVectorEnv(VectorEnv):
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
-        self._arm_state = np.zeros((num_envs, 2 * n_q))
-        self._muscle_state = np.zeros((num_envs, 4 * n))
-        self._torque = np.zeros((num_envs, n_q))
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
         self.single_action_space = Box(0.0, 1.0, (n,), np.float32)
         self.single_observation_space = Box(-np.inf, np.inf, (len(self._scale),), np.float32)
@@ -94,22 +93,12 @@ class ArmVectorEnv(VectorEnv):
                 f"The actions are an array {values.shape}, finite: {bool(np.isfinite(values).all())}: "
                 f"expected {self.num_envs} times {self._n} finite excitations."
             )
-        muscles, paths, dynamics = self._tables
-        acceleration = step_arms(
-            self._arm_state,
-            self._muscle_state,
-            self._torque,
-            values,
-            round(CONTROL_STEP / TIME_STEP),
-            TIME_STEP,
-            muscles,
-            paths,
-            dynamics,
-            self._stops,
-        )
+        acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
+        self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._row += 1
         reference_q, reference_v = self._wanted()
-        reward = rewards(self._arm_state, acceleration, reference_q, reference_v, self._weights)
+        q, v = self._arm_state[:, : self._n_q], self._arm_state[:, self._n_q :]
+        reward = tracking_reward(q, v, acceleration, reference_q, reference_v, *self._weights)
         truncated = self._row == self._last
         info = self._info(np.ones(self.num_envs, dtype=bool))
         observation = self._observe()
@@ -122,9 +111,10 @@ class ArmVectorEnv(VectorEnv):
     def _restart(self, which: np.ndarray) -> None:
         normals = np.array([self._generators[k].standard_normal(self._n_q) for k in np.flatnonzero(which)])
         q = self._start[which] + self._noise[which, None] * normals  # as in TaskSystems.StartPosture
-        q = np.clip(q, self._stops[0], self._stops[1])
-        self._arm_state[which] = np.hstack([q, np.zeros_like(q)])
-        self._muscle_state[which], self._torque[which] = resting_states(self._arm, q, RESTING_ACTIVATION)
+        q = np.clip(q, self._lower, self._upper)
+        arm_state = np.hstack([q, np.zeros_like(q)])
+        self._arms.set_state(which, arm_state, resting_states(self._arm, q, RESTING_ACTIVATION))
+        self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._row[which] = self._first[which]
 
     def _wanted(self) -> tuple[np.ndarray, np.ndarray]:
@@ -154,26 +144,23 @@ class ArmVectorEnv(VectorEnv):
 
     def _info(self, told: np.ndarray) -> dict[str, Any]:
         info = {
-            "arm_state": self._arm_state.copy(),
+            "arm_state": self._arm_state,
             "tracking_error": self._arm_state[:, : self._n_q] - self._wanted()[0],
-            "activation": self._muscle_state[:, : self._n].copy(),
+            "activation": self._muscle_state[:, : self._n],
         }
         return info | {f"_{name}": told for name in info}
 
 
-def _check_alike(systems: list[TaskSystems]) -> None:
+def _check_alike(tasks: list[TrackingTask], plants: list[MultibodyPlant]) -> None:
     """Raises TrainingError, naming what differs, unless one compiled arm can do all tasks."""
     alike = [
         {
-            "muscles": one.arm.arm.muscles,
-            "coordinates": one.arm.arm.coordinates,
-            "observation": one.task.observation,
-            "joint ranges": (
-                list(one.arm.plant.GetPositionLowerLimits()),
-                list(one.arm.plant.GetPositionUpperLimits()),
-            ),
+            "muscles": task.arm.muscles,
+            "coordinates": task.arm.coordinates,
+            "observation": task.observation,
+            "joint ranges": (list(plant.GetPositionLowerLimits()), list(plant.GetPositionUpperLimits())),
         }
-        for one in systems
+        for task, plant in zip(tasks, plants, strict=True)
     ]
     for i, other in enumerate(alike):
         different = [name for name in other if other[name] != alike[0][name]]

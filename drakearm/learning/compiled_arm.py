@@ -2,62 +2,125 @@
 
 Skeleton, muscles and stops are those of the Diagram: equations of motion read off the plant, and the same compiled
 functions that the systems call. The integrator is Drake's explicit trapezoidal rule (RungeKutta2Integrator), as in
-`MakeSimulator`. Arms are taken LANES at a time, side by side: in every working array the arm is the last index, so that
+`MakeSimulator`. Arms are taken up to LANES at a time, side by side: in every array the arm is the last index, so that
 one vector instruction serves several arms.
 """
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
-from drakearm.model.dynamics import forward_dynamics_lanes, make_dynamics_lanes
+from drakearm.model import Arm
+from drakearm.model.dynamics import DynamicsTable, forward_dynamics_lanes, make_dynamics_lanes, stack_dynamics
 from drakearm.model.joint_stops import one_stop_torque
-from drakearm.model.muscle_lanes import make_muscle_lanes, step_muscle_lanes
-from drakearm.model.tracking import tracking_reward
-from drakearm.muscle.compiled import compiled, inner
+from drakearm.model.muscle_lanes import make_muscle_lanes, muscle_kinds, step_muscle_lanes
+from drakearm.muscle.compiled import compiled
+from drakearm.systems.joint_stops import DAMPING, STIFFNESS
 
 LANES = 64
 
 
-@compiled
-def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, muscles, paths, dynamics, stops):
-    """Advances N arms in place by a number of time steps with their excitations held; returns their accelerations.
+class CompiledArms:
+    """N arms with the same muscles, each with a skeleton of its own: their states, and `step`.
 
-    arm_state: (N, 2 n_q), q and v. muscle_state: (N, 4 n), see `muscle_step`. torque: (N, n_q), written: what muscles
-    and stops exert in the last time step. excitation: (N, n). dynamics: of N skeletons, see `stack_dynamics`. stops:
-    lower and upper limits, stiffness and damping. The accelerations (N, n_q) are those at the end, with this torque.
+    lower, upper: ends of the joints' ranges (n_q,), rad, where they have the stops that `JointStops` has by default.
     """
-    count, n_q = torque.shape
+
+    def __init__(self, arm: Arm, skeletons: Sequence[DynamicsTable], lower: np.ndarray, upper: np.ndarray):
+        count, n, n_q = len(skeletons), len(arm.muscles), len(arm.coordinates)
+        blocks = math.ceil(count / LANES)
+        lanes = math.ceil(count / blocks)
+        # The arm in every lane (blocks, lanes): lanes to spare repeat the last one.
+        self._arm = np.minimum(np.arange(blocks * lanes), count - 1).reshape(blocks, lanes)
+        self._count = count
+        dynamics = stack_dynamics(skeletons)
+        coefficients = (dynamics.mass_coefficient, dynamics.gravity_coefficient)
+        self._dynamics = (dynamics, *(self._to_lanes(c.reshape(count, -1)) for c in coefficients))
+        self._tables = (arm.muscle_table, arm.path_table, muscle_kinds(arm.muscle_table))
+        self._stops = (lower, upper, STIFFNESS, DAMPING)
+        self._arm_state = np.zeros((blocks, 2 * n_q, lanes))
+        self._muscle_state = np.zeros((blocks, 4 * n, lanes))
+        self._acceleration = np.zeros((blocks, n_q, lanes))
+
+    @property
+    def arm_state(self) -> np.ndarray:
+        """A copy of q and v, (N, 2 n_q)."""
+        return self._from_lanes(self._arm_state)
+
+    @property
+    def muscle_state(self) -> np.ndarray:
+        """A copy of the states (N, 4 n) of `muscle_step`."""
+        return self._from_lanes(self._muscle_state)
+
+    def set_state(self, which: np.ndarray, arm_state: np.ndarray, muscle_state: np.ndarray) -> None:
+        """Puts the arms `which` (N,), bool, into states, a row for each of them."""
+        row = (np.cumsum(which) - 1)[self._arm]
+        chosen = which[self._arm]
+        self._arm_state.swapaxes(1, 2)[chosen] = arm_state[row[chosen]]
+        self._muscle_state.swapaxes(1, 2)[chosen] = muscle_state[row[chosen]]
+
+    def step(self, excitation: np.ndarray, steps: int, time_step: float) -> np.ndarray:
+        """Advances all arms with their excitations (N, n) held; returns the accelerations (N, n_q) at the end.
+
+        Those are of the torques that muscles and stops exert in the last time step.
+        """
+        step_arms(
+            self._arm_state,
+            self._muscle_state,
+            self._acceleration,
+            self._to_lanes(excitation),
+            steps,
+            time_step,
+            *self._tables,
+            *self._dynamics,
+            self._stops,
+        )
+        return self._from_lanes(self._acceleration)
+
+    def _to_lanes(self, arms: np.ndarray) -> np.ndarray:
+        """Rows of arms (N, size) as (blocks, size, lanes)."""
+        return np.ascontiguousarray(arms[self._arm].swapaxes(1, 2))
+
+    def _from_lanes(self, blocks: np.ndarray) -> np.ndarray:
+        """And back."""
+        return np.array(blocks.swapaxes(1, 2)).reshape(-1, blocks.shape[1])[: self._count]
+
+
+@compiled
+def step_arms(
+    arm_state,
+    muscle_state,
+    acceleration,
+    excitation,
+    steps,
+    time_step,
+    muscles,
+    paths,
+    kinds,
+    dynamics,
+    mass_coefficient,
+    gravity_coefficient,
+    stops,
+):
+    """Advances arms in place by a number of time steps with their excitations held, and writes their accelerations.
+
+    Arrays are (blocks, size, lanes). Sizes: arm_state 2 n_q, q and v; muscle_state 4 n, see `muscle_step`; acceleration
+    n_q; excitation n; the coefficients, of the terms of `dynamics` for each arm. stops: lower and upper
+    limits (n_q,), stiffness and damping.
+    """
+    blocks, n_q, lanes = acceleration.shape
     lower, upper, stiffness, damping = stops
-    acceleration = np.empty((count, n_q))
-    mass_coefficient = dynamics.mass_coefficient.reshape(count, len(dynamics.mass_entry))
-    gravity_coefficient = dynamics.gravity_coefficient.reshape(count, len(dynamics.gravity_entry))
-    lanes = -1
-    for begin in range(0, count, LANES):
-        if lanes != min(LANES, count - begin):
-            lanes = min(LANES, count - begin)
-            x, state, u = (
-                np.empty((2 * n_q, lanes)),
-                np.empty((4 * len(muscles), lanes)),
-                np.empty((len(muscles), lanes)),
-            )
-            tau, a, later_x, later_a = (
-                np.empty((n_q, lanes)),
-                np.empty((n_q, lanes)),
-                np.empty((2 * n_q, lanes)),
-                np.empty((n_q, lanes)),
-            )
-            skeleton = make_dynamics_lanes(
-                np.empty((mass_coefficient.shape[1], lanes)), np.empty((gravity_coefficient.shape[1], lanes)), n_q
-            )
-            work = make_muscle_lanes(muscles, paths, n_q, lanes)
-        _gather(mass_coefficient, begin, skeleton.mass_coefficient)
-        _gather(gravity_coefficient, begin, skeleton.gravity_coefficient)
-        _gather(arm_state, begin, x)
-        _gather(muscle_state, begin, state)
-        _gather(excitation, begin, u)
+    thelen, degroote, rigid = kinds
+    tau, later_x, later_a = np.empty((n_q, lanes)), np.empty((2 * n_q, lanes)), np.empty((n_q, lanes))
+    work = make_muscle_lanes(muscles, paths, n_q, lanes)
+    for block in range(blocks):
+        x, state, a, u = arm_state[block], muscle_state[block], acceleration[block], excitation[block]
+        skeleton = make_dynamics_lanes(mass_coefficient[block], gravity_coefficient[block], n_q, dynamics)
         for half in range(2 * steps + 1):  # every step needs two accelerations; the last one is returned
             starts = half % 2 == 0
             if starts and half < 2 * steps:
-                step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, work)
+                step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, thelen, degroote, rigid, work)
                 for j in range(n_q):
                     for k in range(lanes):
                         q = x[j, k] + 0.5 * time_step * x[n_q + j, k]
@@ -78,36 +141,3 @@ def step_arms(arm_state, muscle_state, torque, excitation, steps, time_step, mus
                     else:
                         x[j, k] += 0.5 * time_step * (v + later_x[n_q + j, k])
                         x[n_q + j, k] = v + 0.5 * time_step * (a[j, k] + later_a[j, k])
-        _scatter(x, begin, arm_state)
-        _scatter(state, begin, muscle_state)
-        _scatter(tau, begin, torque)
-        _scatter(a, begin, acceleration)
-    return acceleration
-
-
-@inner
-def _gather(arms, begin, rows):
-    """Copies the arms (N, size) from `begin` on into rows (size, lanes)."""
-    for k in range(rows.shape[1]):
-        for i in range(rows.shape[0]):
-            rows[i, k] = arms[begin + k, i]
-
-
-@inner
-def _scatter(rows, begin, arms):
-    """Copies rows (size, lanes) back into the arms (N, size) from `begin` on."""
-    for k in range(rows.shape[1]):
-        for i in range(rows.shape[0]):
-            arms[begin + k, i] = rows[i, k]
-
-
-@compiled
-def rewards(arm_state, acceleration, reference_q, reference_v, weights):
-    """Rewards (N,) of N arms where they are, see `tracking_reward`; all arrays (N, n_q), of weights three."""
-    n_q = acceleration.shape[1]
-    w_q, w_v, w_a = weights
-    reward = np.empty(len(arm_state))
-    for k in range(len(arm_state)):
-        q, v = arm_state[k, :n_q], arm_state[k, n_q:]
-        reward[k] = tracking_reward(q, v, acceleration[k], reference_q[k], reference_v[k], w_q[k], w_v[k], w_a[k])
-    return reward

@@ -13,7 +13,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
-from drakearm.muscle.compiled import compiled, inlined, inner
+from drakearm.muscle.compiled import compiled, inner
 from drakearm.muscle.elementary import sincos
 
 _ANGLES = 2.0 * np.pi / 5.0 * np.arange(5)
@@ -26,6 +26,11 @@ class DynamicsTable(NamedTuple):
     A term is coefficient * product over the joints j of the function basis[j] of q_j: 1, cos, sin, cos of the double,
     sin of the double angle. mass_entry: row and column of the mass matrix, row <= column. gravity_entry: the
     coordinate. Coefficients of N skeletons follow each other, (N K,) and (N G,), see `stack_dynamics`.
+
+    The other fields say how `forward_dynamics_lanes` computes: from rows of products, of which the first is 1, the next
+    ones are the four functions of every joint angle, and each further one is the product of two `factors`. Row and
+    column of the mass matrix and a joint that it depends on make a slope, which has terms of its own: slope, mass term
+    and product, and the integer that the coefficient of the mass term is multiplied by.
     """
 
     mass_entry: np.ndarray  # (K, 2)
@@ -34,6 +39,11 @@ class DynamicsTable(NamedTuple):
     gravity_entry: np.ndarray  # (G,)
     gravity_basis: np.ndarray  # (G, n_q)
     gravity_coefficient: np.ndarray  # (G,)
+    mass_product: np.ndarray  # (K,), rows of products
+    gravity_product: np.ndarray  # (G,), rows of products
+    factors: np.ndarray  # (P, 2), rows of products
+    slope_entry: np.ndarray  # (S, 3), row and column of the mass matrix, joint
+    slope_term: np.ndarray  # (D, 4)
 
 
 class DynamicsLanes(NamedTuple):
@@ -41,9 +51,9 @@ class DynamicsLanes(NamedTuple):
 
     mass_coefficient: np.ndarray  # (K, lanes)
     gravity_coefficient: np.ndarray  # (G, lanes)
-    basis: np.ndarray  # (n_q, 5, lanes), the five functions of every joint angle
-    term: np.ndarray  # (lanes,)
-    mass: np.ndarray  # (n_q, n_q, lanes), upper triangle
+    product: np.ndarray  # (1 + 4 n_q + P, lanes)
+    mass: np.ndarray  # (n_q n_q, lanes), upper triangle
+    slope: np.ndarray  # (S, lanes)
 
 
 def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
@@ -63,7 +73,7 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
     gravity_terms = np.linalg.solve(design, np.array(gravity))
     m, entry = np.nonzero(np.abs(mass_terms) > _NEGLIGIBLE * np.abs(mass_terms).max())
     g, coordinate = np.nonzero(np.abs(gravity_terms) > _NEGLIGIBLE * np.abs(gravity_terms).max())
-    arrays = (
+    table = _make_table(
         np.stack([rows[entry], columns[entry]], axis=1),
         bases[m],
         mass_terms[m, entry],
@@ -71,7 +81,6 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
         bases[g],
         gravity_terms[g, coordinate],
     )
-    table = DynamicsTable(*(np.ascontiguousarray(array) for array in arrays))
     _check(plant, context, table)
     return table
 
@@ -92,7 +101,57 @@ def stack_dynamics(tables: Sequence[DynamicsTable]) -> DynamicsTable:
         return [union[:, n_q:].reshape(-1, *entries[0].shape[1:]), union[:, :n_q], stacked.ravel()]
 
     columns = [list(column) for column in zip(*tables, strict=True)]
-    return DynamicsTable(*(np.ascontiguousarray(array) for array in stack(*columns[:3]) + stack(*columns[3:])))
+    return _make_table(*stack(*columns[:3]), *stack(*columns[3:6]))
+
+
+def _make_table(
+    mass_entry: np.ndarray,
+    mass_basis: np.ndarray,
+    mass_coefficient: np.ndarray,
+    gravity_entry: np.ndarray,
+    gravity_basis: np.ndarray,
+    gravity_coefficient: np.ndarray,
+) -> DynamicsTable:
+    """The table with these terms. Its products are made once, however many terms and slopes share them."""
+    n_q = mass_basis.shape[1]
+    factors: list[tuple[int, int]] = []
+    made: dict[tuple[int, ...], int] = {}
+
+    def product(basis: tuple[int, ...]) -> int:
+        joints = [j for j in range(n_q) if basis[j]]
+        if not joints:
+            return 0
+        last = joints[-1]
+        function = 4 * last + basis[last]
+        if len(joints) == 1:
+            return function
+        if basis not in made:
+            factors.append((product((*basis[:last], *[0] * (n_q - last))), function))
+            made[basis] = 4 * n_q + len(factors)
+        return made[basis]
+
+    slopes: dict[tuple[int, int, int], int] = {}
+    slope_terms = []
+    for t, ((row, column), basis) in enumerate(zip(mass_entry.tolist(), mass_basis.tolist(), strict=True)):
+        for j, function in enumerate(basis):
+            if function:  # cos' = -sin, sin' = cos, and twice that for the double angle
+                slope = slopes.setdefault((row, column, j), len(slopes))
+                turned = (*basis[:j], (0, 2, 1, 4, 3)[function], *basis[j + 1 :])
+                slope_terms.append((slope, t, product(turned), (0, -1, 1, -2, 2)[function]))
+    arrays = (
+        mass_entry,
+        mass_basis,
+        mass_coefficient,
+        gravity_entry,
+        gravity_basis,
+        gravity_coefficient,
+        np.array([product(tuple(basis)) for basis in mass_basis.tolist()], dtype=np.int64),
+        np.array([product(tuple(basis)) for basis in gravity_basis.tolist()], dtype=np.int64),
+        np.array(factors, dtype=np.int64).reshape(-1, 2),
+        np.array(list(slopes), dtype=np.int64).reshape(-1, 3),
+        np.array(slope_terms, dtype=np.int64).reshape(-1, 4),
+    )
+    return DynamicsTable(*(np.ascontiguousarray(array) for array in arrays))
 
 
 def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> None:
@@ -129,11 +188,12 @@ def _slopes(q: np.ndarray) -> np.ndarray:
 
 
 @compiled
-def make_dynamics_lanes(mass_coefficient, gravity_coefficient, n_q):
+def make_dynamics_lanes(mass_coefficient, gravity_coefficient, n_q, dynamics):
     """Working memory for skeletons side by side with these coefficients, (K, lanes) and (G, lanes)."""
     lanes = mass_coefficient.shape[1]
-    basis, term, mass = np.empty((n_q, 5, lanes)), np.empty(lanes), np.empty((n_q, n_q, lanes))
-    return DynamicsLanes(mass_coefficient, gravity_coefficient, basis, term, mass)
+    product = np.ones((1 + 4 * n_q + len(dynamics.factors), lanes))
+    mass, slope = np.empty((n_q * n_q, lanes)), np.empty((len(dynamics.slope_entry), lanes))
+    return DynamicsLanes(mass_coefficient, gravity_coefficient, product, mass, slope)
 
 
 @compiled
@@ -141,7 +201,7 @@ def forward_dynamics(q, v, tau, dynamics):
     """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau: M a = tau + gravity - Coriolis."""
     n_q = len(q)
     mass_coefficient, gravity_coefficient = dynamics.mass_coefficient, dynamics.gravity_coefficient
-    work = make_dynamics_lanes(mass_coefficient.reshape(-1, 1), gravity_coefficient.reshape(-1, 1), n_q)
+    work = make_dynamics_lanes(mass_coefficient.reshape(-1, 1), gravity_coefficient.reshape(-1, 1), n_q, dynamics)
     state, a = np.empty((2 * n_q, 1)), np.empty(n_q)
     for j in range(n_q):
         state[j, 0], state[n_q + j, 0], a[j] = q[j], v[j], tau[j]
@@ -155,59 +215,48 @@ def forward_dynamics_lanes(state, force, dynamics, work):
 
     state: q and v, (2 n_q, lanes).
     """
-    mass_coefficient, gravity_coefficient, basis, term, mass = work
+    mass_coefficient, gravity_coefficient, product, mass, slope = work
     n_q, lanes = force.shape
     for j in range(n_q):
         for k in range(lanes):
             s, c = sincos(state[j, k])
-            basis[j, 1, k] = c
-            basis[j, 2, k] = s
-            basis[j, 3, k] = c * c - s * s
-            basis[j, 4, k] = 2.0 * c * s
+            product[4 * j + 1, k] = c
+            product[4 * j + 2, k] = s
+            product[4 * j + 3, k] = c * c - s * s
+            product[4 * j + 4, k] = 2.0 * c * s
+    for p in range(len(dynamics.factors)):
+        first, second = dynamics.factors[p, 0], dynamics.factors[p, 1]
+        for k in range(lanes):
+            product[4 * n_q + 1 + p, k] = product[first, k] * product[second, k]
     for g in range(len(gravity_coefficient)):
-        entry = dynamics.gravity_entry[g]
-        _term(g, gravity_coefficient, dynamics.gravity_basis, -1, basis, term)
-        for k in range(lanes):
-            force[entry, k] += term[k]
+        _add_term(force, dynamics.gravity_entry[g], 1.0, gravity_coefficient, g, product, dynamics.gravity_product[g])
     mass[:] = 0.0
+    slope[:] = 0.0
     for t in range(len(mass_coefficient)):
-        row, column = dynamics.mass_entry[t, 0], dynamics.mass_entry[t, 1]
-        _term(t, mass_coefficient, dynamics.mass_basis, -1, basis, term)
-        for k in range(lanes):
-            mass[row, column, k] += term[k]
-        for i in range(n_q):  # Christoffel: minus dM_jk/dq_i v_i v_k for force j, plus half of it for force i
-            if dynamics.mass_basis[t, i] == 0:
-                continue
-            _term(t, mass_coefficient, dynamics.mass_basis, i, basis, term)
-            _add_product(force, row, -1.0, term, state, n_q + i, n_q + column)
-            if column != row:
-                _add_product(force, column, -1.0, term, state, n_q + i, n_q + row)
-                _add_product(force, i, 1.0, term, state, n_q + row, n_q + column)
-            else:
-                _add_product(force, i, 0.5, term, state, n_q + row, n_q + column)
+        entry = n_q * dynamics.mass_entry[t, 0] + dynamics.mass_entry[t, 1]
+        _add_term(mass, entry, 1.0, mass_coefficient, t, product, dynamics.mass_product[t])
+    for d in range(len(dynamics.slope_term)):
+        s, t, p = dynamics.slope_term[d, 0], dynamics.slope_term[d, 1], dynamics.slope_term[d, 2]
+        _add_term(slope, s, float(dynamics.slope_term[d, 3]), mass_coefficient, t, product, p)
+    for s in range(len(slope)):  # Christoffel: minus dM_jk/dq_i v_i v_k for force j, plus half of it for force i
+        row, column, i = dynamics.slope_entry[s, 0], dynamics.slope_entry[s, 1], dynamics.slope_entry[s, 2]
+        _add_product(force, row, -1.0, slope, s, state, n_q + i, n_q + column)
+        if column != row:
+            _add_product(force, column, -1.0, slope, s, state, n_q + i, n_q + row)
+        _add_product(force, i, 1.0 if column != row else 0.5, slope, s, state, n_q + row, n_q + column)
     _solve_lanes(mass, force)
 
 
 @inner
-def _term(t, coefficient, bases, by, basis, term):
-    """Writes term t of a table (lanes,), differentiated by the angle of joint `by` unless that is -1."""
-    for k in range(len(term)):
-        term[k] = coefficient[t, k]
-    for j in range(bases.shape[1]):
-        b, factor = bases[t, j], 1.0
-        if b == 0:
-            continue
-        if j == by:  # cos' = -sin, sin' = cos, and twice that for the double angle
-            factor = (0.0, -1.0, 1.0, -2.0, 2.0)[b]
-            b = (0, 2, 1, 4, 3)[b]
-        for k in range(len(term)):
-            term[k] *= factor * basis[j, b, k]
+def _add_term(total, row, factor, coefficient, t, product, p):
+    for k in range(total.shape[1]):
+        total[row, k] += factor * coefficient[t, k] * product[p, k]
 
 
-@inlined
-def _add_product(force, row, factor, term, state, i, j):
-    for k in range(len(term)):
-        force[row, k] += factor * term[k] * state[i, k] * state[j, k]
+@inner
+def _add_product(force, row, factor, slope, s, state, i, j):
+    for k in range(force.shape[1]):
+        force[row, k] += factor * slope[s, k] * state[i, k] * state[j, k]
 
 
 @inner
@@ -215,20 +264,21 @@ def _solve_lanes(mass, force):
     """Solves mass * a = force in every lane; mass: upper triangle. Both are overwritten."""
     n, lanes = force.shape
     for i in range(n):
+        pivot = n * i + i
         for k in range(lanes):
-            mass[i, i, k] = 1.0 / mass[i, i, k]
+            mass[pivot, k] = 1.0 / mass[pivot, k]
         for j in range(i + 1, n):
             for c in range(j, n):
                 for k in range(lanes):
-                    mass[j, c, k] -= mass[i, j, k] * mass[i, i, k] * mass[i, c, k]
+                    mass[n * j + c, k] -= mass[n * i + j, k] * mass[pivot, k] * mass[n * i + c, k]
             for k in range(lanes):
-                force[j, k] -= mass[i, j, k] * mass[i, i, k] * force[i, k]
+                force[j, k] -= mass[n * i + j, k] * mass[pivot, k] * force[i, k]
     for i in range(n - 1, -1, -1):
         for j in range(i + 1, n):
             for k in range(lanes):
-                force[i, k] -= mass[i, j, k] * force[j, k]
+                force[i, k] -= mass[n * i + j, k] * force[j, k]
         for k in range(lanes):
-            force[i, k] *= mass[i, i, k]
+            force[i, k] *= mass[n * i + i, k]
 
 
 @inner

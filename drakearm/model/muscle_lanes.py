@@ -21,16 +21,36 @@ from drakearm.muscle.contraction import (
 from drakearm.muscle.parameters import DEGROOTE2016, THELEN2003, muscle_parameters
 
 
+class MuscleKinds(NamedTuple):
+    """Which muscles are of which kind: their indices, or None, for which nothing is compiled."""
+
+    thelen: np.ndarray | None
+    degroote: np.ndarray | None
+    rigid: np.ndarray | None  # on rigid tendons, with curves of either model
+
+
+def muscle_kinds(muscles: np.ndarray) -> MuscleKinds:
+    """The kinds of the muscles of a `muscle_table`."""
+    rigid, code = muscles["rigid_tendon"], muscles["model_code"]
+    masks = (~rigid & (code == THELEN2003), ~rigid & (code == DEGROOTE2016), rigid)
+    return MuscleKinds(*(np.flatnonzero(mask) if mask.any() else None for mask in masks))
+
+
 class MuscleLanes(NamedTuple):
-    """Working memory of `step_muscle_lanes`. Rows of now, then of the end of the step, stand beside each other."""
+    """Working memory of `step_muscle_lanes`. "Later" is at the end of the time step."""
 
     pieces: PathPieces
-    q: np.ndarray  # (n_q, 2 lanes)
-    length: np.ndarray  # (n, 2 lanes), of the musculotendon paths
-    slope: np.ndarray  # (terms, 2 lanes), of the path functions
-    speed: np.ndarray  # (n, 2 lanes), of the musculotendon paths, where tendons are rigid
-    force: np.ndarray  # (n, 2 lanes), of the tendons
-    later: np.ndarray  # (lanes,), fiber lengths
+    length: np.ndarray  # (n, lanes), of the musculotendon paths
+    slope: np.ndarray  # (terms, lanes), of the path functions
+    speed: np.ndarray  # (n, lanes), of the musculotendon paths, where tendons are rigid
+    force: np.ndarray  # (n, lanes), of the tendons
+    later_pieces: PathPieces
+    later_length: np.ndarray
+    later_slope: np.ndarray
+    later_speed: np.ndarray
+    later_force: np.ndarray
+    later_q: np.ndarray  # (n_q, lanes)
+    fiber: np.ndarray  # (lanes,), later lengths of the fibers of one muscle
 
 
 @inner
@@ -38,84 +58,92 @@ def make_muscle_lanes(muscles, paths, n_q, lanes):
     """Working memory for `lanes` arms with the same muscles."""
     n, terms = len(muscles), count_terms(paths)
     return MuscleLanes(
-        make_path_pieces(paths, 2 * lanes),
-        np.empty((n_q, 2 * lanes)),
-        np.empty((n, 2 * lanes)),
-        np.empty((terms, 2 * lanes)),
-        np.zeros((n, 2 * lanes)),
-        np.empty((n, 2 * lanes)),
+        make_path_pieces(paths, lanes),
+        np.empty((n, lanes)),
+        np.empty((terms, lanes)),
+        np.empty((n, lanes)),
+        np.empty((n, lanes)),
+        make_path_pieces(paths, lanes),
+        np.empty((n, lanes)),
+        np.empty((terms, lanes)),
+        np.empty((n, lanes)),
+        np.empty((n, lanes)),
+        np.empty((n_q, lanes)),
         np.empty(lanes),
     )
 
 
 @inlined
-def _step_compliant(state, excitation, i, n, time_step, length, force, later, m):
+def _step_compliant(state, excitation, i, n, time_step, work, m):
     """Advances muscle i, on a compliant tendon, in every lane."""
-    lanes = len(later)
-    for k in range(lanes):
+    length, force, later_length, later_force = work.length, work.force, work.later_length, work.later_force
+    fiber = work.fiber
+    for k in range(len(fiber)):
         force[i, k] = tendon_force(state[n + i, k], length[i, k], m)[0]
-    for k in range(lanes):
         state[i, k] = activation_step(state[i, k], excitation[i, k], time_step, m)
-    for k in range(lanes):
-        later[k] = max(state[2 * n + i, k] + 2.0 * time_step * state[3 * n + i, k], shortest_fiber(m))
-    fiber_steps(later, state, i, n, length, lanes, time_step, m)
-    for k in range(lanes):
-        force[i, lanes + k] = tendon_force(later[k], length[i, lanes + k], m)[0]
-    for k in range(lanes):
+        fiber[k] = max(state[2 * n + i, k] + 2.0 * time_step * state[3 * n + i, k], shortest_fiber(m))
+    fiber_steps(fiber, state, i, n, later_length, time_step, m)
+    for k in range(len(fiber)):
+        later_force[i, k] = tendon_force(fiber[k], later_length[i, k], m)[0]
         base = bdf2_base(state[n + i, k], state[2 * n + i, k])
-        state[3 * n + i, k] = 1.5 / time_step * (later[k] - base)
+        state[3 * n + i, k] = 1.5 / time_step * (fiber[k] - base)
         state[2 * n + i, k] = state[n + i, k]
-        state[n + i, k] = later[k]
+        state[n + i, k] = fiber[k]
 
 
 @inlined
-def _step_rigid(state, excitation, i, n, time_step, length, speed, force, m):
+def _step_rigid(state, excitation, i, n, time_step, work, m):
     """Advances muscle i, on a rigid tendon, in every lane."""
-    lanes = state.shape[1]
-    for k in range(lanes):
+    length, speed, force = work.length, work.speed, work.force
+    later_length, later_speed, later_force = work.later_length, work.later_speed, work.later_force
+    for k in range(len(work.fiber)):
         force[i, k] = rigid_tendon_force(state[i, k], length[i, k], speed[i, k], m)[0]
         state[i, k] = activation_step(state[i, k], excitation[i, k], time_step, m)
-        next_length, next_speed = length[i, lanes + k], speed[i, lanes + k]
-        force[i, lanes + k] = rigid_tendon_force(state[i, k], next_length, next_speed, m)[0]
+        later_force[i, k] = rigid_tendon_force(state[i, k], later_length[i, k], later_speed[i, k], m)[0]
         state[2 * n + i, k] = state[n + i, k]
-        state[n + i, k], state[3 * n + i, k], _ = rigid_fiber(next_length, next_speed, m)
+        state[n + i, k], state[3 * n + i, k], _ = rigid_fiber(later_length[i, k], later_speed[i, k], m)
 
 
 @inner
-def step_muscle_lanes(state, tau, excitation, arm_state, time_step, muscles, paths, work):
-    """`muscle_step` for arms side by side: every array has a second index, the lane, and `work` is for so many."""
-    pieces, q, length, slope, speed, force, later = work
+def step_muscle_lanes(state, tau, excitation, arm_state, time_step, muscles, paths, thelen, degroote, rigid, work):
+    """`muscle_step` for arms side by side: every array has a second index, the lane, and `work` is for so many.
+
+    thelen, degroote, rigid: see `MuscleKinds`.
+    """
     n, (n_q, lanes) = len(muscles), tau.shape
     for j in range(n_q):
         for k in range(lanes):
-            q[j, k] = arm_state[j, k]
-            q[j, lanes + k] = arm_state[j, k] + time_step * arm_state[n_q + j, k]
-    evaluate_path_lanes(q, paths, pieces, length, slope)
-    _path_speeds(arm_state, paths, slope, speed)
-    for i in range(n):
-        # A branch for each model, so that each is compiled without the curves of the other.
-        if muscles[i].rigid_tendon:
-            m = muscle_parameters(muscles[i], muscles[i].model_code)
-            _step_rigid(state, excitation, i, n, time_step, length, speed, force, m)
-        elif muscles[i].model_code == THELEN2003:
+            work.later_q[j, k] = arm_state[j, k] + time_step * arm_state[n_q + j, k]
+    evaluate_path_lanes(arm_state, paths, work.pieces, work.length, work.slope)
+    evaluate_path_lanes(work.later_q, paths, work.later_pieces, work.later_length, work.later_slope)
+    if thelen is not None:
+        for i in thelen:
             m = muscle_parameters(muscles[i], THELEN2003)
-            _step_compliant(state, excitation, i, n, time_step, length, force, later, m)
-        else:
+            _step_compliant(state, excitation, i, n, time_step, work, m)
+    if degroote is not None:
+        for i in degroote:
             m = muscle_parameters(muscles[i], DEGROOTE2016)
-            _step_compliant(state, excitation, i, n, time_step, length, force, later, m)
+            _step_compliant(state, excitation, i, n, time_step, work, m)
+    if rigid is not None:
+        _path_speeds(arm_state, paths, work.slope, work.speed)
+        _path_speeds(arm_state, paths, work.later_slope, work.later_speed)
+        for i in rigid:
+            m = muscle_parameters(muscles[i], muscles[i].model_code)
+            _step_rigid(state, excitation, i, n, time_step, work, m)
+    slope, force, later_slope, later_force = work.slope, work.force, work.later_slope, work.later_force
     tau[:] = 0.0
     header = term = 0
     while header < len(paths):
         i, j = int(paths[header, 0]), int(paths[header, 1])
         for k in range(lanes):
-            tau[j, k] -= 0.5 * (slope[term, k] * force[i, k] + slope[term, lanes + k] * force[i, lanes + k])
+            tau[j, k] -= 0.5 * (slope[term, k] * force[i, k] + later_slope[term, k] * later_force[i, k])
         header += 1 + int(paths[header, 2])
         term += 1
 
 
 @inner
 def _path_speeds(arm_state, paths, slope, speed):
-    """Writes the rates of change (n, 2 lanes) of the musculotendon lengths."""
+    """Writes the rates of change (n, lanes) of the musculotendon lengths."""
     speed[:] = 0.0
     n_q, lanes = arm_state.shape[0] // 2, arm_state.shape[1]
     header = term = 0
@@ -123,6 +151,5 @@ def _path_speeds(arm_state, paths, slope, speed):
         i, j = int(paths[header, 0]), int(paths[header, 1])
         for k in range(lanes):
             speed[i, k] += slope[term, k] * arm_state[n_q + j, k]
-            speed[i, lanes + k] += slope[term, lanes + k] * arm_state[n_q + j, k]
         header += 1 + int(paths[header, 2])
         term += 1

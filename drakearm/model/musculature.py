@@ -8,7 +8,7 @@ import numpy as np
 
 from drakearm.errors import EquilibriumError
 from drakearm.model.arm import Arm
-from drakearm.model.paths import evaluate_paths
+from drakearm.model.paths import count_terms, evaluate_path_lanes, evaluate_paths, make_path_pieces
 from drakearm.muscle.activation import activation_rate, activation_step
 from drakearm.muscle.compiled import compiled, inner
 from drakearm.muscle.contraction import (
@@ -140,64 +140,48 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
     return report
 
 
-@inner
+@compiled
 def _equilibrium(activation, q, muscles, paths):
-    length, _ = muscle_geometry(q, muscles, paths)
-    fiber_length = np.empty(len(muscles))
-    for i in range(len(muscles)):
+    """Fiber lengths (n, N) at joint angles q (n_q, N)."""
+    n, count = len(muscles), q.shape[1]
+    length, slope = np.empty((n, count)), np.empty((count_terms(paths), count))
+    evaluate_path_lanes(q, paths, make_path_pieces(paths, count), length, slope)
+    for i in range(n):
         m = muscle_parameters(muscles[i], muscles[i].model_code)
-        fiber_length[i] = equilibrium_fiber_length(activation[i], length[i], m)
-    return fiber_length
+        for k in range(count):
+            length[i, k] = equilibrium_fiber_length(activation[i], length[i, k], m)
+    return length
 
 
 def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -> np.ndarray:
-    """Fiber lengths (n,) of resting muscles at joint angles q (n_q,), rad, and activations (n,).
+    """Fiber lengths (N, n) of resting muscles at joint angles q (N, n_q), rad, and activations (n,).
 
     Fibers on compliant tendons carry there what their tendons pull. Raises EquilibriumError, naming the muscles, where
     even the shortest fiber leaves the tendon slack.
     """
-    fiber_length = _equilibrium(activation, q, arm.muscle_table, arm.path_table)
-    slack = [name for name, unknown in zip(arm.muscle_names, np.isnan(fiber_length), strict=True) if unknown]
-    if slack:
+    fiber_length = _equilibrium(activation, np.ascontiguousarray(q.T), arm.muscle_table, arm.path_table).T
+    unknown = np.isnan(fiber_length)
+    for k in np.flatnonzero(unknown.any(axis=1)):
+        slack = [name for name, slack in zip(arm.muscle_names, unknown[k], strict=True) if slack]
         raise EquilibriumError(
-            f"At joint angles {np.round(q, 4).tolist()} rad {', '.join(slack)} of {arm.name} cannot be in equilibrium: "
-            "the path is so short that even the shortest fiber leaves the tendon slack."
+            f"At joint angles {np.round(q[k], 4).tolist()} rad {', '.join(slack)} of {arm.name} cannot be in "
+            "equilibrium: the path is so short that even the shortest fiber leaves the tendon slack."
         )
     return fiber_length
 
 
-def resting_state(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The state (4 n,) of `muscle_step` for muscles at rest, and the generalized force (n_q,) that they exert.
+def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> np.ndarray:
+    """The states (N, 4 n) of `muscle_step` for the muscles of N arms at rest, at joint angles q (N, n_q).
 
-    activation: one for all muscles or (n,). Raises EquilibriumError where a muscle has no equilibrium at joint angles
-    q.
+    activation: one for all muscles or (n,). Raises EquilibriumError where a muscle has no equilibrium.
     """
-    states, torques = resting_states(arm, q[None, :], activation)
-    return states[0], torques[0]
-
-
-def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`resting_state` of many arms: states (N, 4 n) and generalized forces (N, n_q) at joint angles q (N, n_q)."""
     activations = np.full(len(arm.muscles), activation, dtype=float)
-    states, torques = _resting_states(activations, q, arm.muscle_table, arm.path_table)
-    for k in np.flatnonzero(np.isnan(states).any(axis=1)):
-        equilibrium_fiber_lengths(arm, q[k], activations)  # raises, and names the muscles
-    return states, torques
+    fiber_length = equilibrium_fiber_lengths(arm, q, activations)
+    return np.hstack([np.tile(activations, (len(q), 1)), fiber_length, fiber_length, np.zeros_like(fiber_length)])
 
 
-@compiled
-def _resting_states(activation, q, muscles, paths):
-    n, (count, n_q) = len(muscles), q.shape
-    states, torques = np.zeros((count, 4 * n)), np.empty((count, n_q))
-    for k in range(count):
-        state, arm_state = states[k], np.zeros(2 * n_q)
-        fiber_length = _equilibrium(activation, q[k], muscles, paths)
-        for i in range(n):
-            state[i] = activation[i]
-            state[n + i] = state[2 * n + i] = fiber_length[i]
-        for j in range(n_q):
-            arm_state[j] = q[k, j]
-        _, tau = tendon_forces(state, arm_state, muscles, paths)
-        for j in range(n_q):
-            torques[k, j] = tau[j]
-    return states, torques
+def resting_state(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same of one arm at joint angles q (n_q,): its state, and the generalized force (n_q,) that it exerts."""
+    state = resting_states(arm, q[None, :], activation)[0]
+    fibers, arm_state = state[: 2 * len(arm.muscles)], np.concatenate([q, np.zeros_like(q)])
+    return state, tendon_forces(fibers, arm_state, arm.muscle_table, arm.path_table)[1]

@@ -1,14 +1,22 @@
-"""The reward for following a reference, compiled: every environment shares it."""
+"""The reward for following a reference: every environment shares it."""
 
-from drakearm.muscle.compiled import compiled
+from typing import Any
+
+import numpy as np
 
 
-@compiled
-def tracking_reward(q, v, a, reference_q, reference_v, w_q, w_v, w_a):
-    """Minus the weighted squares of position errors, velocity errors and accelerations (eq. 6); all arrays (n_q,)."""
-    reward = 0.0
-    for i in range(len(q)):
-        reward -= w_q[i] * (reference_q[i] - q[i]) ** 2
-        reward -= w_v[i] * (reference_v[i] - v[i]) ** 2
-        reward -= w_a[i] * a[i] ** 2
-    return reward
+def tracking_reward(
+    q: np.ndarray,
+    v: np.ndarray,
+    a: np.ndarray,
+    reference_q: np.ndarray,
+    reference_v: np.ndarray,
+    w_q: np.ndarray,
+    w_v: np.ndarray,
+    w_a: np.ndarray,
+) -> Any:
+    """Minus the weighted squares of position errors, velocity errors and accelerations (eq. 6).
+
+    All arrays are (n_q,), or (N, n_q) for the rewards (N,) of many arms.
+    """
+    return -(w_q * (reference_q - q) ** 2 + w_v * (reference_v - v) ** 2 + w_a * a**2).sum(axis=-1)

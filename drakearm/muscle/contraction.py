@@ -76,11 +76,10 @@ def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
 
 
 @inlined
-def fiber_velocity(activation, fiber_length, mtu_length, m):
-    """Fiber velocity (m/s) and its derivatives by activation, fiber length and musculotendon length.
+def _velocity_fraction(activation, fiber_length, mtu_length, m):
+    """The fiber velocity as a fraction: unit (m/s), numerator, denominator, and over the same its three derivatives.
 
-    The velocity at which the contractile element carries what the tendon pulls and the passive element does not
-    (Thelen 2003, eq. 6). At the minimum fiber length a fiber can only lengthen.
+    The derivatives are by activation, minus by fiber length, and by musculotendon length.
     """
     at_minimum = fiber_length <= m.minimum_fiber_length
     fiber_length = max(fiber_length, m.minimum_fiber_length)
@@ -95,21 +94,31 @@ def fiber_velocity(activation, fiber_length, mtu_length, m):
     tendon, tendon_slope = tendon_force_strain(strain, m)
     passive, passive_slope = passive_force_length(length, m)
     shape, shape_slope = active_force_length(length, m)
-    inverse_isometric = 1.0 / (a * shape)
-    ratio = (tendon * secant - passive) * inverse_isometric
-    speed, speed_slope = velocity_of_force(ratio, m)
+    numerator, denominator, by_active, by_isometric = velocity_of_force(tendon * secant - passive, a * shape, m)
     scale, scale_slope = velocity_scale(a, m)
 
-    held = at_minimum and speed <= 0.0
+    held = at_minimum and numerator <= 0.0
     unit = (0.0 if held else m.max_contraction_velocity * m.optimal_fiber_length) * scale
     by_strain = tendon_slope / m.tendon_slack_length
-    by_force = unit * speed_slope * inverse_isometric
-    loss = (
-        by_strain * secant**2 + tendon * m.fiber_width**2 * inverse_along**3
-    )  # of active force, as the fiber lengthens
-    loss += (passive_slope + ratio * a * shape_slope) / m.optimal_fiber_length
-    by_activation = free * unit * (scale_slope / scale * speed - speed_slope * ratio / a)
-    return unit * speed, by_activation, -by_force * loss, by_force * by_strain * secant
+    loss = by_strain * secant**2 + tendon * m.fiber_width**2 * inverse_along**3  # of tendon force along the fiber
+    by_length = by_active * (loss + passive_slope / m.optimal_fiber_length)
+    by_length += by_isometric * a * shape_slope / m.optimal_fiber_length
+    by_activation = free * (numerator * scale_slope / scale - by_isometric * shape)
+    return unit, numerator, denominator, by_activation, by_length, by_active * by_strain * secant
+
+
+@inlined
+def fiber_velocity(activation, fiber_length, mtu_length, m):
+    """Fiber velocity (m/s) and its derivatives by activation, fiber length and musculotendon length.
+
+    The velocity at which the contractile element carries what the tendon pulls and the passive element does not
+    (Thelen 2003, eq. 6). At the minimum fiber length a fiber can only lengthen.
+    """
+    unit, numerator, denominator, by_activation, by_length, by_mtu_length = _velocity_fraction(
+        activation, fiber_length, mtu_length, m
+    )
+    unit /= denominator
+    return unit * numerator, unit * by_activation, -unit * by_length, unit * by_mtu_length
 
 
 @inlined
@@ -120,10 +129,13 @@ def slack_fiber_length(mtu_length, m):
 
 @inlined
 def newton_move(x, weight, base, activation, mtu_length, m):
-    """What `solve_fiber` finds at a fiber length x: the residual of its equation, and Newton's move to the root."""
-    velocity, _, slope, _ = fiber_velocity(activation, x, mtu_length, m)
-    residual = velocity - weight * (x - base)
-    return residual, residual / (weight - slope)
+    """What `solve_fiber` finds at a fiber length x: its equation's residual, and Newton's move to the root.
+
+    The residual comes multiplied by the denominator of the velocity, which spares a division.
+    """
+    unit, numerator, denominator, _, by_length, _ = _velocity_fraction(activation, x, mtu_length, m)
+    residual = unit * numerator - weight * (x - base) * denominator
+    return residual, residual / (weight * denominator + unit * by_length)
 
 
 @inner
@@ -178,12 +190,12 @@ def fiber_step(activation, fiber_length, previous_fiber_length, mtu_length, time
 
 
 @inlined
-def fiber_steps(later, state, i, n, mtu_length, lane, time_step, m):
+def fiber_steps(later, state, i, n, mtu_length, time_step, m):
     """Writes the fiber lengths `later` (lanes,) of muscle i a time step later; `later` holds guesses.
 
-    state: see `muscle_step`, but with activations of the later instant; (4 n, lanes). mtu_length: (n, any), of that
-    instant too, from the column `lane`. It is `fiber_step` in every lane: plain Newton iterations of all lanes at once
-    nearly always suffice, and where they do not settle in some lane, all are left to `fiber_step` itself.
+    state: see `muscle_step`, but with activations of the later instant; (4 n, lanes). mtu_length: (n, lanes), of that
+    instant too. It is `fiber_step` in every lane: plain Newton iterations of all lanes at once nearly always suffice,
+    and where they do not settle in some lane, all are left to `fiber_step` itself.
     """
     weight = 1.5 / time_step
     shortest, tolerance = shortest_fiber(m), TOLERANCE * m.optimal_fiber_length
@@ -191,7 +203,7 @@ def fiber_steps(later, state, i, n, mtu_length, lane, time_step, m):
         moving = 0
         for k in range(len(later)):
             base = bdf2_base(state[n + i, k], state[2 * n + i, k])
-            _, move = newton_move(later[k], weight, base, state[i, k], mtu_length[i, lane + k], m)
+            _, move = newton_move(later[k], weight, base, state[i, k], mtu_length[i, k], m)
             x = max(later[k] + move, shortest)
             moving += not abs(x - later[k]) < tolerance
             later[k] = x
@@ -199,7 +211,7 @@ def fiber_steps(later, state, i, n, mtu_length, lane, time_step, m):
             return
     for k in range(len(later)):
         fiber, previous = state[n + i, k], state[2 * n + i, k]
-        later[k], _ = fiber_step(state[i, k], fiber, previous, mtu_length[i, lane + k], time_step, m)
+        later[k], _ = fiber_step(state[i, k], fiber, previous, mtu_length[i, k], time_step, m)
 
 
 @inlined

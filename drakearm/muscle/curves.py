@@ -1,7 +1,8 @@
 """The curves of a muscle, by its model: each function passes on to `thelen2003` or `degroote2016`.
 
 Dimensionless: forces over max_isometric_force, fiber lengths over optimal_fiber_length, velocities over
-max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Each returns a value and its slope.
+max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Each returns a value and its slope, but for
+`velocity_of_force`.
 """
 
 from drakearm.muscle import degroote2016, thelen2003
@@ -41,11 +42,14 @@ def tendon_force_strain(strain, m):
 
 
 @inlined
-def velocity_of_force(ratio, m):
-    """Fiber velocity at full activation, at a ratio of active force to isometric force."""
+def velocity_of_force(active, isometric, m):
+    """Fiber velocity at full activation where `active` force meets `isometric` force, as a fraction.
+
+    Numerator, denominator, and over the same denominator the slope by `active` and minus that by `isometric`.
+    """
     if m.model_code == THELEN2003:
-        return _thelen_velocity(ratio, m)
-    return _degroote_velocity(ratio, m)
+        return _thelen_velocity(active, isometric, m)
+    return _degroote_velocity(active, isometric, m)
 
 
 @inlined

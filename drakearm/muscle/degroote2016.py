@@ -56,14 +56,16 @@ def tendon_force_strain(strain, m):
 
 
 @inlined
-def velocity_of_force(ratio, m):
-    """Velocity at a ratio of active force to isometric force, and its slope: a hyperbolic sine."""
+def velocity_of_force(active, isometric, m):
+    """Velocity where `active` force meets `isometric` force, a hyperbolic sine; see `thelen2003.velocity_of_force`."""
+    inverse = 1.0 / isometric
+    ratio = active * inverse
     at = min(max(ratio, _LOWEST), _HIGHEST)
     z = (at - _D4) / _D1
     up = 0.5 * exp(z)
     down = 0.25 / up
     slope = (up + down) / (_D1 * _D2)
-    return (up - down - _D3) / _D2 + slope * (ratio - at), slope
+    return (up - down - _D3) / _D2 + slope * (ratio - at), 1.0, slope * inverse, slope * ratio * inverse
 
 
 @inlined

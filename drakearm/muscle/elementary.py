@@ -55,10 +55,10 @@ def exp(x):
     n = shifted - _ROUNDER
     r = (x - n * _LN2_HIGH) - n * _LN2_LOW
     z = r * r
-    even = odd = 0.0
-    for c in _EXP_EVEN:
+    even, odd = _EXP_EVEN[0], _EXP_ODD[0]
+    for c in _EXP_EVEN[1:]:
         even = even * z + c
-    for c in _EXP_ODD:
+    for c in _EXP_ODD[1:]:
         odd = odd * z + c
     return (even + r * odd) * np.int64((_bits(shifted) << 52) + _ONE_BITS).view(np.float64)  # p(r) 2^n
 
@@ -70,10 +70,10 @@ def sincos(x):
     n = shifted - _ROUNDER
     r = ((x - n * _HALF_PI_HIGH) - n * _HALF_PI_MIDDLE) - n * _HALF_PI_LOW
     z = r * r
-    s = c = 0.0
-    for coefficient in _SIN:
+    s, c = _SIN[0], _COS[0]
+    for coefficient in _SIN[1:]:
         s = s * z + coefficient
-    for coefficient in _COS:
+    for coefficient in _COS[1:]:
         c = c * z + coefficient
     s, c = r + r * z * s, 1.0 - 0.5 * z + z * z * c
     quadrant = _bits(shifted)

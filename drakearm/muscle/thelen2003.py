@@ -56,20 +56,23 @@ def tendon_force_strain(strain, m):
 
 
 @inlined
-def velocity_of_force(ratio, m):
-    """Shortening (< 0) or lengthening velocity at a ratio of active force to isometric force, and its slope (eq. 6).
+def velocity_of_force(active, isometric, m):
+    """Shortening (< 0) or lengthening velocity where `active` force meets `isometric` force > 0 (eq. 6).
 
-    The velocity is that of full activation; `velocity_scale` shrinks it with activation. Below 0 and beyond
-    LINEAR_FROM * eccentric_force it continues along the tangents, so that it exists for every force.
+    Returns numerator and denominator of the velocity, and over the same denominator its slope by the active force and
+    minus that by the isometric force: whoever goes on computing with them may need one division less. The velocity is
+    that of full activation; `velocity_scale` shrinks it with activation. Below 0 and beyond LINEAR_FROM *
+    eccentric_force * isometric it continues along the tangents, so that it exists for every force.
     """
     highest = m.eccentric_force
     steepness = 1.0 + 1.0 / m.force_velocity_shape
     scale = (highest - 1.0) / (2.0 * steepness)
-    at = min(max(ratio, 0.0), LINEAR_FROM * highest)
-    lengthens = at > 1.0
-    inverse = 1.0 / ((highest - at) if lengthens else (1.0 + at / m.force_velocity_shape))
-    slope = (scale * (highest - 1.0) if lengthens else steepness) * inverse * inverse
-    return (scale if lengthens else 1.0) * (at - 1.0) * inverse + slope * (ratio - at), slope
+    at = min(max(active, 0.0), LINEAR_FROM * highest * isometric)
+    lengthens = at > isometric
+    root = (highest * isometric - at) if lengthens else (isometric + at / m.force_velocity_shape)
+    slope = scale * (highest - 1.0) if lengthens else steepness
+    excess = (scale if lengthens else 1.0) * (at - isometric) * root
+    return excess + slope * isometric * (active - at), root * root, slope * isometric, slope * active
 
 
 @inlined

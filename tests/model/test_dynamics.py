@@ -53,7 +53,7 @@ def test_skeletons_side_by_side_are_those_of_their_tables(arm):
     mass_coefficient, gravity_coefficient = (
         coefficients.reshape(3, -1).T.copy() for coefficients in (stacked.mass_coefficient, stacked.gravity_coefficient)
     )
-    work = make_dynamics_lanes(mass_coefficient, gravity_coefficient, 2)
+    work = make_dynamics_lanes(mass_coefficient, gravity_coefficient, 2, stacked)
     state, a = np.random.default_rng(0).uniform(-2.0, 2.0, (4, 3)), np.ones((2, 3))
     forward_dynamics_lanes(state, a, stacked, work)
     for k, table in enumerate(tables):

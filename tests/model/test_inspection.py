@@ -78,7 +78,7 @@ def test_working_ranges_are_the_equilibria_over_all_joint_angles(arm, inspection
     activation = np.full(len(arm.muscles), RESTING_ACTIVATION)
     optimal = np.array([m.optimal_fiber_length for m in arm.muscles])
     fibers = [
-        equilibrium_fiber_lengths(arm, np.array([shoulder, elbow]), activation) / optimal
+        equilibrium_fiber_lengths(arm, np.array([[shoulder, elbow]]), activation)[0] / optimal
         for shoulder in grid[0]
         for elbow in grid[1]
     ]
@@ -98,7 +98,7 @@ def test_where_a_muscle_has_no_equilibrium_is_said(arm):
     shoulder, elbow = working.slack["shoulder"], working.slack["elbow"]
     activation = np.full(len(arm.muscles), RESTING_ACTIVATION)
     with pytest.raises(EquilibriumError, match="BIClong"):
-        equilibrium_fiber_lengths(longer, np.array([shoulder.upper, elbow.upper]), activation)
+        equilibrium_fiber_lengths(longer, np.array([[shoulder.upper, elbow.upper]]), activation)
     splines = {term.coordinate: term.spline for term in muscle(inspect_arm(longer), "BIClong").muscle.path}
     shortest = min(splines["shoulder"](np.linspace(0.0, 1.8, 2001)))
     edge = brentq(lambda q: splines["elbow"](q) + shortest - working.shortest_path, 0.0, 2.26)

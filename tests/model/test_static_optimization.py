@@ -38,7 +38,7 @@ def any_arm(request, arm):
 def test_activations_hold_a_posture_with_muscles_in_equilibrium(arm, q):
     tau = gravity_torque(MakeTorqueArm(arm), q)
     a, reserve = optimize(arm, q, np.zeros(2), tau)
-    fibers = np.concatenate([a, equilibrium_fiber_lengths(arm, q, a)])
+    fibers = np.concatenate([a, equilibrium_fiber_lengths(arm, q[None, :], a)[0]])
     _, actual = tendon_forces(fibers, np.concatenate([q, np.zeros(2)]), arm.muscle_table, arm.path_table)
     np.testing.assert_allclose(reserve, 0.0, atol=1e-3)
     np.testing.assert_allclose(actual, tau, atol=1e-3)

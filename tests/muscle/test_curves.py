@@ -5,6 +5,8 @@ import pytest
 
 from drakearm.muscle import thelen2003 as curves
 
+from ..velocity_curve import velocity_of_ratio
+
 
 @pytest.fixture(scope="module")
 def m(arm):
@@ -17,8 +19,8 @@ def test_known_values(m):
     assert curves.passive_force_length(0.9, m) == (0.0, 0.0)
     assert curves.tendon_force_strain(0.033, m)[0] == pytest.approx(1.0)
     assert curves.tendon_force_strain(-0.01, m) == (0.0, 0.0)
-    assert curves.velocity_of_force(1.0, m)[0] == 0.0
-    assert curves.velocity_of_force(0.0, m)[0] == -1.0  # the largest contraction velocity
+    assert velocity_of_ratio(1.0, m)[0] == 0.0
+    assert velocity_of_ratio(0.0, m)[0] == pytest.approx(-1.0)  # the largest contraction velocity
     assert curves.toe_strain(0.033) == pytest.approx(0.02008431275, abs=1e-11)
     assert curves.tendon_stiffness(0.033) == pytest.approx(51.87490120, abs=1e-7)
 
@@ -29,7 +31,7 @@ def test_known_values(m):
         (curves.active_force_length, 0.3, 1.8),
         (curves.passive_force_length, 0.8, 1.8),
         (curves.tendon_force_strain, -0.01, 0.06),
-        (curves.velocity_of_force, -0.5, 2.5),
+        (velocity_of_ratio, -0.5, 2.5),
     ],
 )
 def test_slope_is_the_derivative(m, curve, low, high):
@@ -41,7 +43,7 @@ def test_slope_is_the_derivative(m, curve, low, high):
 
 def test_tendon_and_velocity_curves_rise(m):
     strain = [curves.tendon_force_strain(e, m)[0] for e in np.linspace(0.0, 0.1, 500)]
-    velocity = [curves.velocity_of_force(f, m)[0] for f in np.linspace(-1.0, 3.0, 500)]
+    velocity = [velocity_of_ratio(f, m)[0] for f in np.linspace(-1.0, 3.0, 500)]
     assert (np.diff(strain) > 0).all()
     assert (np.diff(velocity) > 0).all()
 

@@ -12,6 +12,8 @@ from drakearm.muscle import curves
 from drakearm.muscle.contraction import equilibrium_fiber_length, fiber_velocity, rigid_tendon_force, tendon_force
 from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabolic_power
 
+from ..velocity_curve import velocity_of_ratio
+
 ARM = load_arm("arm14")
 MODELS = ("thelen2003", "degroote2016")
 
@@ -28,8 +30,8 @@ def test_key_points(model):
     assert curves.passive_force_length(1.6, m)[0] == pytest.approx(1.0)
     assert curves.tendon_force_strain(0.033, m)[0] == pytest.approx(1.0)
     assert curves.tendon_force_strain(0.0, m)[0] == pytest.approx(0.0)
-    assert curves.velocity_of_force(1.0, m)[0] == pytest.approx(0.0, abs=1e-12)
-    assert curves.velocity_of_force(0.0, m)[0] == pytest.approx(-1.0)
+    assert velocity_of_ratio(1.0, m)[0] == pytest.approx(0.0, abs=1e-12)
+    assert velocity_of_ratio(0.0, m)[0] == pytest.approx(-1.0)
 
 
 def test_degroote_reaches_its_published_largest_force():
@@ -41,19 +43,39 @@ def test_degroote_reaches_its_published_largest_force():
 def test_force_and_velocity_curves_invert_each_other(model, velocity):
     m = table(model)[0]
     force, slope = curves.force_of_velocity(velocity, m)
-    back, back_slope = curves.velocity_of_force(force, m)
+    back, back_slope = velocity_of_ratio(force, m)
     assert back == pytest.approx(velocity, abs=1e-9)
     assert slope * back_slope == pytest.approx(1.0, rel=1e-9)
 
 
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("active", [-0.2, 0.3, 0.9, 1.3])
+@pytest.mark.parametrize("isometric", [0.2, 0.8])
+def test_velocity_and_both_its_slopes(model, active, isometric):
+    m = table(model)[0]
+    _, denominator, by_active, by_isometric = curves.velocity_of_force(active, isometric, m)
+
+    def velocity(force, capacity):
+        numerator, denominator, _, _ = curves.velocity_of_force(force, capacity, m)
+        return numerator / denominator
+
+    step = 1e-6
+    numeric = (velocity(active + step, isometric) - velocity(active - step, isometric)) / (2.0 * step)
+    assert by_active / denominator == pytest.approx(numeric, rel=1e-6)
+    numeric = (velocity(active, isometric + step) - velocity(active, isometric - step)) / (2.0 * step)
+    assert -by_isometric / denominator == pytest.approx(numeric, rel=1e-6)
+
+
 @pytest.mark.parametrize(
-    "name", ["active_force_length", "passive_force_length", "tendon_force_strain", "velocity_of_force"]
+    "curve",
+    [curves.active_force_length, curves.passive_force_length, curves.tendon_force_strain, velocity_of_ratio],
+    ids=lambda curve: curve.__name__,
 )
-def test_degroote_curves_have_no_kinks(name):
+def test_degroote_curves_have_no_kinks(curve):
     """Their slopes are derivatives, and have no jumps: halving the distance halves the change of slope."""
     m = table("degroote2016")[0]
-    curve = getattr(curves, name)
-    low, high = {"tendon_force_strain": (-0.01, 0.06), "velocity_of_force": (-0.4, 2.2)}.get(name, (0.3, 1.8))
+    ranges = {"tendon_force_strain": (-0.01, 0.06), "velocity_of_ratio": (-0.4, 2.2)}
+    low, high = ranges.get(curve.__name__, (0.3, 1.8))
     grid = np.linspace(low, high, 4001)
     value, slope = np.array([curve(x, m) for x in grid]).T
     numeric = np.gradient(value, grid)[1:-1]

@@ -45,7 +45,7 @@ def test_equilibrium_pulls_with_moment_arm_times_tendon_force(arm, outputs, time
     tau, activation, fiber, velocity, force, length = outputs(muscles, inputs, NAMES, context)
     expected_length, moment_arm = muscle_geometry(q, arm.muscle_table, arm.path_table)
     np.testing.assert_array_equal(activation, 0.3)
-    np.testing.assert_array_equal(fiber, equilibrium_fiber_lengths(arm, q, np.full(N, 0.3)))
+    np.testing.assert_array_equal(fiber, equilibrium_fiber_lengths(arm, q[None, :], np.full(N, 0.3))[0])
     np.testing.assert_allclose(velocity, 0.0, atol=1e-9)
     np.testing.assert_array_equal(length, expected_length)
     np.testing.assert_allclose(tau, moment_arm.T @ force, atol=1e-12)

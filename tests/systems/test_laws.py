@@ -12,13 +12,13 @@ from pydrake.systems.primitives import ConstantVectorSource
 from scipy.integrate import quad
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator, MakeTorqueArm
-from drakearm.learning.compiled_arm import step_arms
+from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.model import load_arm
 from drakearm.model.dynamics import read_dynamics
 from drakearm.model.joint_stops import HARDENING
-from drakearm.model.musculature import resting_state, tendon_forces
+from drakearm.model.musculature import resting_states, tendon_forces
 from drakearm.muscle.curves import passive_force_length, tendon_force_strain
-from drakearm.systems.joint_stops import DAMPING, STIFFNESS
+from drakearm.systems.joint_stops import STIFFNESS
 
 ARM = load_arm("arm14")
 LOADS = (0.0, 1.0, 5.0, 20.0)
@@ -30,19 +30,23 @@ shoulders, elbows = st.floats(LOWER[0], 2.2), st.floats(LOWER[1], UPPER[1])
 speeds = st.floats(-30.0, 30.0)
 
 
+def start(count, arm_state, load=0.0):
+    """Arms in that state of their joints, q and v, their muscles at rest."""
+    arms = CompiledArms(ARM, [DYNAMICS[load]] * count, LOWER, UPPER)
+    states = np.tile(arm_state, (count, 1))
+    arms.set_state(np.ones(count, dtype=bool), states, resting_states(ARM, states[:, :2], 0.05))
+    return arms
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**31), st.sampled_from(LOADS), shoulders, elbows, speeds, speeds, st.floats(0.1, 10.0))
 def test_forces_stay_bounded_and_finite(seed, load, shoulder, elbow, v0, v1, sharpness):
     """0.5 s of random excitations, from any posture and speed: no NaN, no force beyond what a tendon could bear."""
-    q = np.array([shoulder, elbow])
-    state, torque = resting_state(ARM, q, 0.05)
-    x, state, torque = np.array([[*q, v0, v1]]), state[None, :], torque[None, :]
-    rng = np.random.default_rng(seed)
+    arms, rng = start(1, [shoulder, elbow, v0, v1], load), np.random.default_rng(seed)
     muscles, paths = ARM.muscle_table, ARM.path_table
     for _ in range(50):
-        excitation = rng.random((1, 14)) ** sharpness
-        stops = (LOWER, UPPER, STIFFNESS, DAMPING)
-        step_arms(x, state, torque, excitation, 10, 1e-3, muscles, paths, DYNAMICS[load], stops)
+        arms.step(rng.random((1, 14)) ** sharpness, 10, 1e-3)
+        x, state = arms.arm_state, arms.muscle_state
         assert np.isfinite(x).all() and np.isfinite(state).all()
         force, _ = tendon_forces(state[0, :28], x[0], muscles, paths)
         assert (force >= 0.0).all()
@@ -55,16 +59,13 @@ def test_forces_stay_bounded_and_finite(seed, load, shoulder, elbow, v0, v1, sha
 @given(st.integers(0, 13), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_activation_is_monotone_in_excitation(i, u, w):
     """Of two arms in the same state, that with the larger excitation has the larger activation, at all times."""
-    low, high = np.full((1, 14), min(u, w)), np.full((1, 14), min(u, w))
-    high[0, i] = max(u, w)
-    state, torque = resting_state(ARM, np.array([0.0, 1.0]), 0.05)
-    arms = [(np.array([[0.0, 1.0, 0.0, 0.0]]), state[None, :].copy(), torque[None, :].copy()) for _ in range(2)]
-    stops = (LOWER, UPPER, STIFFNESS, DAMPING)
+    excitation = np.full((2, 14), min(u, w))
+    excitation[1, i] = max(u, w)
+    arms = start(2, [0.0, 1.0, 0.0, 0.0])
     for _ in range(10):
-        for excitation, (x, muscle_state, tau) in zip((low, high), arms, strict=True):
-            tables = (ARM.muscle_table, ARM.path_table, DYNAMICS[0.0])
-            step_arms(x, muscle_state, tau, excitation, 10, 1e-3, *tables, stops)
-        assert arms[1][1][0, i] >= arms[0][1][0, i]
+        arms.step(excitation, 10, 1e-3)
+        low, high = arms.muscle_state[:, i]
+        assert high >= low
 
 
 def make(arm, excitation, time_step, load=0.0, stops=True):
