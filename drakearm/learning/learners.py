@@ -14,8 +14,6 @@ from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop, flat_weights, gradient
 from drakearm.learning.policy import Actor, Critic
 
-ACTOR_DIAGNOSTICS = ("policy_loss", "approx_kl", "clip_fraction")
-
 
 @dataclass(frozen=True)
 class Batch:
@@ -91,7 +89,7 @@ class ActorLearner(Learner):
                 clip_fraction = (ratio != clipped).float().mean()
                 sums += torch.stack([-surrogate.mean(), approx_kl, clip_fraction])
                 steps += 1
-        return dict(zip(ACTOR_DIAGNOSTICS, (sums / steps).tolist(), strict=True))
+        return dict(zip(("policy_loss", "approx_kl", "clip_fraction"), (sums / steps).tolist(), strict=True))
 
 
 class CriticLearner(Learner):

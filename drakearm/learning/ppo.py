@@ -22,7 +22,7 @@ from pydantic import ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveI
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TrainingError
-from drakearm.learning.learners import ACTOR_DIAGNOSTICS, ActorLearner, Batch, CriticLearner, learn
+from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.rollout import Collector, Rollout, gae
 
@@ -49,7 +49,6 @@ class PpoSettings:
     initial_std: PositiveFloat = 0.05  # of the actions, in their own unit
     final_std: PositiveFloat | None = 0.01  # towards which it falls geometrically; None: it is learned
     imitation_rounds: NonNegativeInt = 4  # of imitating static optimization first; 0: starts from random weights
-    critic_batches: NonNegativeInt = 8  # in which only the critic learns: a good actor needs a critic that knows it
     initial_action: float = 0.15  # mean of the actions, in their own unit
     actor_layers: tuple[PositiveInt, ...] = (64,) * 5  # widths of the hidden layers, tanh
     critic_layers: tuple[PositiveInt, ...] = (64,) * 3  # widths of the hidden layers, PReLU
@@ -64,7 +63,6 @@ PAPER = PpoSettings(
     initial_std=0.3,
     final_std=None,
     imitation_rounds=0,
-    critic_batches=0,
 )
 
 
@@ -145,12 +143,9 @@ def train(
                 policy.actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
             rollout = collector.collect(policy.actor, generator, batch)
             experience, explained_variance = _experience(policy, rollout, settings, generator, batch)
-            if batch > settings.critic_batches:
-                diagnostics = learn(actor, critic, experience)
-                if settings.target_kl:
-                    learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
-            else:
-                diagnostics = critic.learn(experience) | dict.fromkeys(ACTOR_DIAGNOSTICS, 0.0)
+            diagnostics = learn(actor, critic, experience)
+            if settings.target_kl:
+                learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
 
             now = time.perf_counter()
             batch_steps = int(rollout.valid.sum())

@@ -33,7 +33,6 @@ SMALL = PpoSettings(
     initial_std=0.3,
     final_std=None,
     imitation_rounds=0,
-    critic_batches=0,
 )
 
 
@@ -294,18 +293,6 @@ def test_exploration_fades_as_scheduled():
     settings = replace(SMALL, batches=4, initial_std=0.4, final_std=0.1)
     train(vectorize(Tracker), settings, seed=0, metadata={}, on_batch=reports.append)
     np.testing.assert_allclose([r.std for r in reports], 0.4 * 0.25 ** np.array([0.0, 0.25, 0.5, 0.75]), rtol=1e-5)
-
-
-def test_only_the_critic_learns_at_first():
-    weights = []
-    for critic_batches in (0, 3):
-        settings = replace(SMALL, critic_batches=critic_batches)
-        policy = train(vectorize(Tracker), settings, seed=0, metadata={}, prepare=lambda actor: weights.append(
-            torch.cat([p.detach().ravel().clone() for p in actor.parameters()])
-        ))  # fmt: skip
-        weights.append(torch.cat([p.detach().ravel() for p in policy.actor.parameters()]))
-    assert (weights[0] != weights[1]).any()
-    torch.testing.assert_close(weights[2], weights[3], rtol=0.0, atol=0.0)
 
 
 def test_the_learning_rate_holds_the_divergence():
