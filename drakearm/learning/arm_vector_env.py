@@ -62,6 +62,8 @@ class ArmVectorEnv(VectorEnv):
         self._last = np.cumsum(lengths)[does] - 1
         self._first = self._last - lengths[does] + 1
         self._row = self._first.copy()
+        wanted = np.concatenate([np.hstack([task.reference.q, task.reference.v]) for task in tasks])
+        self._wanted_q, self._wanted_v = (np.ascontiguousarray(half) for half in np.hsplit(wanted, 2))
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
@@ -81,9 +83,8 @@ class ArmVectorEnv(VectorEnv):
                 generator if one is None else np.random.default_rng(one)
                 for generator, one in zip(self._generators, seeds, strict=True)
             ]
-        everywhere = np.ones(self.num_envs, dtype=bool)
-        self._restart(everywhere)
-        return self._observe(), self._info(everywhere)
+        self._restart(np.ones(self.num_envs, dtype=bool))
+        return self._observe(), self._info()
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One control step everywhere. Raises ActionError unless the actions are (N, n) finite numbers."""
@@ -96,11 +97,11 @@ class ArmVectorEnv(VectorEnv):
         acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._row += 1
-        reference_q, reference_v = self._wanted()
+        reference_q, reference_v = self._wanted_q[self._row], self._wanted_v[self._row]
         q, v = self._arm_state[:, : self._n_q], self._arm_state[:, self._n_q :]
         reward = tracking_reward(q, v, acceleration, reference_q, reference_v, *self._weights)
         truncated = self._row == self._last
-        info = self._info(np.ones(self.num_envs, dtype=bool))
+        info = self._info()
         observation = self._observe()
         if truncated.any():
             info["final_obs"], info["_final_obs"] = observation, truncated
@@ -117,38 +118,26 @@ class ArmVectorEnv(VectorEnv):
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._row[which] = self._first[which]
 
-    def _wanted(self) -> tuple[np.ndarray, np.ndarray]:
-        """The q and v, each (N, n_q), that the reference wants now."""
-        wanted = self._preview[self._row]
-        half = wanted.shape[1] // 2
-        return (
-            np.ascontiguousarray(wanted[:, : self._n_q]),
-            np.ascontiguousarray(wanted[:, half : half + self._n_q]),
-        )
-
     def _observe(self) -> np.ndarray:
-        activation, fiber_length, _, fiber_velocity = np.split(self._muscle_state, 4, axis=1)
+        n = self._n
         senses = {
-            "fiber_length": fiber_length,
-            "fiber_velocity": fiber_velocity,
-            "activation": activation,
+            "fiber_length": self._muscle_state[:, n : 2 * n],
+            "fiber_velocity": self._muscle_state[:, 3 * n :],
+            "activation": self._muscle_state[:, :n],
             "arm_state": self._arm_state,
             "reference": self._preview[self._row],
         }
-        observation, first = np.empty((self.num_envs, len(self._scale)), np.float32), 0
-        for name in self._senses:
-            last = first + senses[name].shape[1]
-            np.multiply(senses[name], self._scale[first:last], out=observation[:, first:last], casting="same_kind")
-            first = last
-        return observation
+        sensed = np.concatenate([senses[name] for name in self._senses], axis=1)
+        return (sensed * self._scale).astype(np.float32)
 
-    def _info(self, told: np.ndarray) -> dict[str, Any]:
+    def _info(self) -> dict[str, Any]:
         info = {
             "arm_state": self._arm_state,
-            "tracking_error": self._arm_state[:, : self._n_q] - self._wanted()[0],
+            "tracking_error": self._arm_state[:, : self._n_q] - self._wanted_q[self._row],
             "activation": self._muscle_state[:, : self._n],
         }
-        return info | {f"_{name}": told for name in info}
+        everywhere = np.ones(self.num_envs, dtype=bool)
+        return info | {f"_{name}": everywhere for name in info}
 
 
 def _check_alike(tasks: list[TrackingTask], plants: list[MultibodyPlant]) -> None:

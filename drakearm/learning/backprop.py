@@ -11,35 +11,39 @@ from torch import Tensor, nn
 
 
 class Backprop:
-    """The passes of an MLP of `nn.Linear` with `nn.Tanh` or one-weight `nn.PReLU` in between, for up to `rows` rows."""
+    """The passes of an MLP of `nn.Linear` with `nn.Tanh` or one-weight `nn.PReLU` in between.
 
-    def __init__(self, mlp: nn.Sequential, rows: int) -> None:
+    Made after `flat_weights`, whose views it keeps.
+    """
+
+    def __init__(self, mlp: nn.Sequential) -> None:
         layers = list(mlp)
-        self._linears = [layer for layer in layers if isinstance(layer, nn.Linear)]
+        linears = [layer for layer in layers if isinstance(layer, nn.Linear)]
+        self._weights = [linear.weight for linear in linears]
+        self._biases = [linear.bias for linear in linears]
+        self._transposed = [weight.t() for weight in self._weights]
         self._activations = [layer for layer in layers if not isinstance(layer, nn.Linear)]
         assert all(isinstance(layer, nn.Tanh | nn.PReLU) for layer in self._activations)
-        device = self._linears[0].weight.device
+        self._allocate(0)
 
-        def rows_of(sizes: list[int]) -> list[Tensor]:
-            return [torch.empty(rows, size, device=device) for size in sizes]
-
-        widths = [linear.out_features for linear in self._linears]
-        self._sums = rows_of(widths)  # what each linear layer puts out
-        self._hidden = rows_of(widths[:-1])  # what each activation puts out
-        self._gradients = rows_of(widths[:-1])  # of the loss by the sums of the hidden layers
-        self._spare = rows_of(widths[:-1])
+    def _allocate(self, rows: int) -> None:
+        self._rows = rows
+        self._sums = [bias.new_empty(rows, len(bias)) for bias in self._biases]  # what each linear layer puts out
+        self._hidden = [torch.empty_like(sums) for sums in self._sums[:-1]]  # what each activation puts out
+        self._gradients = [torch.empty_like(sums) for sums in self._sums[:-1]]  # of the loss by the hidden sums
+        self._spare = [torch.empty_like(sums) for sums in self._sums[:-1]]
 
     @torch.no_grad()
     def forward(self, inputs: Tensor) -> Tensor:
-        """The outputs (n, n_out) of inputs (n, n_in), valid until the next call; n is at most `rows`."""
-        n = len(inputs)
-        self._inputs, x = inputs, inputs
-        for i, linear in enumerate(self._linears):
-            sums = self._sums[i][:n]
-            torch.addmm(linear.bias, x, linear.weight.t(), out=sums)
+        """The outputs (n, n_out) of inputs (n, n_in), valid until the next call; quickest with the same n again."""
+        if len(inputs) != self._rows:
+            self._allocate(len(inputs))
+        self._inputs = x = inputs
+        for i, sums in enumerate(self._sums):
+            torch.addmm(self._biases[i], x, self._transposed[i], out=sums)
             if i == len(self._activations):
                 return sums
-            activation, x = self._activations[i], self._hidden[i][:n]
+            activation, x = self._activations[i], self._hidden[i]
             if isinstance(activation, nn.PReLU):
                 torch.ops.aten.leaky_relu(sums, activation.weight.item(), out=x)
             else:
@@ -49,20 +53,18 @@ class Backprop:
     @torch.no_grad()
     def backward(self, by_outputs: Tensor) -> None:
         """Writes the gradients of all weights; by_outputs (n, n_out): that of the loss by the latest outputs."""
-        n = len(by_outputs)
-        inputs = [self._inputs, *(hidden[:n] for hidden in self._hidden)]
+        inputs = [self._inputs, *self._hidden]
         by_sums = by_outputs
-        for i in reversed(range(len(self._linears))):
-            linear = self._linears[i]
-            torch.mm(by_sums.t(), inputs[i], out=gradient(linear.weight))
-            torch.sum(by_sums, 0, out=gradient(linear.bias))
+        for i in reversed(range(len(inputs))):
+            torch.mm(by_sums.t(), inputs[i], out=gradient(self._weights[i]))
+            torch.sum(by_sums, 0, out=gradient(self._biases[i]))
             if i == 0:
                 return
-            before = self._gradients[i - 1][:n]
-            torch.mm(by_sums, linear.weight, out=before)
+            before = self._gradients[i - 1]
+            torch.mm(by_sums, self._weights[i], out=before)
             activation = self._activations[i - 1]
             if isinstance(activation, nn.PReLU):
-                sums, negative = self._sums[i - 1][:n], self._spare[i - 1][:n]
+                sums, negative = self._sums[i - 1], self._spare[i - 1]
                 torch.clamp(sums, max=0.0, out=negative)
                 gradient(activation.weight).fill_(torch.dot(before.view(-1), negative.view(-1)))
                 slope = activation.weight.item()

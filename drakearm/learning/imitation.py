@@ -78,7 +78,7 @@ def _fit(
     actor: Actor, learner: Learner, observations: torch.Tensor, excitations: torch.Tensor, generator: torch.Generator
 ) -> None:
     """Least squares on the expert's excitations."""
-    backprop = Backprop(actor.mean, 2 * MINIBATCH)
+    backprop = Backprop(actor.mean)
     minibatches = max(1, len(observations) // MINIBATCH)
     for epoch in range(EPOCHS):
         learner.set_learning_rate(LEARNING_RATE * (1.0 - 0.9 * epoch / EPOCHS))

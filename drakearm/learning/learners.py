@@ -4,6 +4,7 @@ The two networks share nothing, so each learns in a thread of its own, one core 
 """
 
 import math
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -13,8 +14,6 @@ from torch import Tensor, nn
 from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop, flat_weights, gradient
 from drakearm.learning.policy import Actor, Critic
-
-ACTOR_DIAGNOSTICS = ("policy_loss", "approx_kl", "clip_fraction")
 
 
 @dataclass(frozen=True)
@@ -26,13 +25,15 @@ class Batch:
     log_probs: Tensor  # (n,), of the actions when they were taken
     advantages: Tensor  # (n,), of mean 0 and deviation 1
     returns: Tensor  # (n,)
-    orders: list[tuple[Tensor, ...]]  # for each epoch, the rows of each minibatch
+    orders: list[Tensor]  # for each epoch, the order in which to go through the rows
+    minibatches: int  # of every epoch
     number: int  # of the batch, for messages
 
-    @property
-    def rows(self) -> int:
-        """The most that a minibatch has."""
-        return max(len(rows) for order in self.orders for rows in order)
+    def split(self, *fields: Tensor) -> Iterator[tuple[Tensor, ...]]:
+        """Some of the fields, minibatch after minibatch, epoch after epoch."""
+        for order in self.orders:
+            shuffled = [field.index_select(0, order).tensor_split(self.minibatches) for field in fields]
+            yield from zip(*shuffled, strict=True)
 
 
 class Learner:
@@ -48,12 +49,15 @@ class Learner:
 
     def step(self, where: str) -> None:
         """Follows the gradient. Raises TrainingError, which tells where, if it is not finite."""
-        norm = nn.utils.clip_grad_norm_(self._weights, self._max_grad_norm)
-        if not norm.isfinite():  # nor is it where the loss is not
+        by_weights = gradient(self._weights)
+        norm = torch.linalg.vector_norm(by_weights).item()
+        if not math.isfinite(norm):  # nor is it where the loss is not
             raise TrainingError(
                 f"The gradient of the loss is not finite in {where}: "
                 "a smaller learning rate or smaller rewards may help."
             )
+        if norm > self._max_grad_norm:
+            by_weights *= self._max_grad_norm / norm
         self._optimizer.step()
 
 
@@ -67,31 +71,33 @@ class ActorLearner(Learner):
     @torch.no_grad()
     def learn(self, batch: Batch) -> dict[str, float]:
         """Goes through all minibatches; returns diagnostics, means over them."""
-        actor, backprop = self._actor, Backprop(self._actor.mean, batch.rows)
-        sums = torch.zeros(3, device=batch.advantages.device)
-        steps = 0
-        for order in batch.orders:
-            for rows in order:
-                gain = batch.advantages[rows]
-                inverse_std = torch.exp(-actor.log_std)
-                z = (batch.actions[rows] - backprop.forward(batch.observations[rows])) * inverse_std
-                log_scale = actor.log_std.sum() + 0.5 * math.log(2.0 * math.pi) * actor.log_std.numel()
-                log_ratio = -0.5 * z.square().sum(1) - log_scale - batch.log_probs[rows]
-                ratio = log_ratio.exp()
-                clipped = ratio.clamp(1.0 - self._clip, 1.0 + self._clip)
-                surrogate = torch.minimum(ratio * gain, clipped * gain)
-                # The loss is -mean(surrogate); where the clipped product is the smaller one, its slope is 0.
-                # NaN is not greater than anything: it goes on into the gradient, where it is noticed.
-                by_log_prob = torch.where(ratio * gain > clipped * gain, 0.0, ratio * gain) / -len(gain)
-                backprop.backward(by_log_prob[:, None] * z * inverse_std)
-                if actor.learns_std:
-                    gradient(actor.log_std).copy_(by_log_prob @ (z.square() - 1.0))
-                self.step(f"batch {batch.number}")
-                approx_kl = (ratio - 1.0 - log_ratio).mean()  # Schulman 2020, estimator k3
-                clip_fraction = (ratio != clipped).float().mean()
-                sums += torch.stack([-surrogate.mean(), approx_kl, clip_fraction])
-                steps += 1
-        return dict(zip(ACTOR_DIAGNOSTICS, (sums / steps).tolist(), strict=True))
+        actor, backprop = self._actor, Backprop(self._actor.mean)
+        log_ratios, surrogates = [], []
+        for observations, actions, log_probs, gain in batch.split(
+            batch.observations, batch.actions, batch.log_probs, batch.advantages
+        ):
+            inverse_std = torch.exp(-actor.log_std)
+            z = (actions - backprop.forward(observations)) * inverse_std
+            log_scale = actor.log_std.sum() + 0.5 * math.log(2.0 * math.pi) * actor.log_std.numel()
+            log_ratio = -0.5 * z.square().sum(1) - log_scale - log_probs
+            ratio = log_ratio.exp()
+            whole, clipped = ratio * gain, ratio.clamp(1.0 - self._clip, 1.0 + self._clip) * gain
+            # The loss is -mean(minimum(whole, clipped)); where clipped is the smaller one, its slope is 0.
+            # NaN is not greater than anything: it goes on into the gradient, where it is noticed.
+            by_log_prob = torch.where(whole > clipped, 0.0, whole) / -len(gain)
+            backprop.backward(by_log_prob[:, None] * z * inverse_std)
+            if actor.learns_std:
+                gradient(actor.log_std).copy_(by_log_prob @ (z.square() - 1.0))
+            self.step(f"batch {batch.number}")
+            log_ratios.append(log_ratio)
+            surrogates.append(torch.minimum(whole, clipped))
+        log_ratio = torch.cat(log_ratios)
+        ratio = log_ratio.exp()
+        return {
+            "policy_loss": -torch.cat(surrogates).mean().item(),
+            "approx_kl": (ratio - 1.0 - log_ratio).mean().item(),  # Schulman 2020, estimator k3
+            "clip_fraction": ((ratio - 1.0).abs() > self._clip).float().mean().item(),
+        }
 
 
 class CriticLearner(Learner):
@@ -104,17 +110,14 @@ class CriticLearner(Learner):
     @torch.no_grad()
     def learn(self, batch: Batch) -> dict[str, float]:
         """Goes through all minibatches; returns the loss, mean over them."""
-        backprop = Backprop(self._critic.value, batch.rows)
-        total = torch.zeros((), device=batch.returns.device)
-        steps = 0
-        for order in batch.orders:
-            for rows in order:
-                error = backprop.forward(batch.observations[rows])[:, 0] - batch.returns[rows]
-                backprop.backward((2.0 * self._weight / len(error) * error)[:, None])
-                self.step(f"batch {batch.number}")
-                total += error.square().mean()
-                steps += 1
-        return {"value_loss": (total / steps).item()}
+        backprop = Backprop(self._critic.value)
+        errors = []
+        for observations, returns in batch.split(batch.observations, batch.returns):
+            error = backprop.forward(observations)[:, 0] - returns
+            backprop.backward((2.0 * self._weight / len(error) * error)[:, None])
+            self.step(f"batch {batch.number}")
+            errors.append(error)
+        return {"value_loss": torch.cat(errors).square().mean().item()}
 
 
 def learn(actor: ActorLearner, critic: CriticLearner, batch: Batch) -> dict[str, float]:

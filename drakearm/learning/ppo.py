@@ -22,7 +22,7 @@ from pydantic import ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveI
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TrainingError
-from drakearm.learning.learners import ACTOR_DIAGNOSTICS, ActorLearner, Batch, CriticLearner, learn
+from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.rollout import Collector, Rollout, gae
 
@@ -37,7 +37,7 @@ class PpoSettings:
     environments: PositiveInt = 64  # arms side by side: what the vector environment must hold
     steps: PositiveInt = 75  # control steps per environment and batch
     epochs: PositiveInt = 5  # passes over a batch
-    minibatches: PositiveInt = 8  # updates per pass
+    minibatches: PositiveInt = 4  # updates per pass
     learning_rate: PositiveFloat = 3e-5  # the actor's in the first batch
     target_kl: PositiveFloat | None = 0.02  # nats a batch, kept by the learning rate; None: that falls linearly to zero
     critic_learning_rate: PositiveFloat = 1e-3  # in the first batch, falls linearly to zero
@@ -49,7 +49,6 @@ class PpoSettings:
     initial_std: PositiveFloat = 0.05  # of the actions, in their own unit
     final_std: PositiveFloat | None = 0.01  # towards which it falls geometrically; None: it is learned
     imitation_rounds: NonNegativeInt = 4  # of imitating static optimization first; 0: starts from random weights
-    critic_batches: NonNegativeInt = 8  # in which only the critic learns: a good actor needs a critic that knows it
     initial_action: float = 0.15  # mean of the actions, in their own unit
     actor_layers: tuple[PositiveInt, ...] = (64,) * 5  # widths of the hidden layers, tanh
     critic_layers: tuple[PositiveInt, ...] = (64,) * 3  # widths of the hidden layers, PReLU
@@ -59,12 +58,12 @@ PAPER = PpoSettings(
     batches=200,
     environments=32,
     epochs=10,
+    minibatches=8,
     learning_rate=1e-3,
     target_kl=None,
     initial_std=0.3,
     final_std=None,
     imitation_rounds=0,
-    critic_batches=0,
 )
 
 
@@ -145,12 +144,9 @@ def train(
                 policy.actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
             rollout = collector.collect(policy.actor, generator, batch)
             experience, explained_variance = _experience(policy, rollout, settings, generator, batch)
-            if batch > settings.critic_batches:
-                diagnostics = learn(actor, critic, experience)
-                if settings.target_kl:
-                    learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
-            else:
-                diagnostics = critic.learn(experience) | dict.fromkeys(ACTOR_DIAGNOSTICS, 0.0)
+            diagnostics = learn(actor, critic, experience)
+            if settings.target_kl:
+                learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
 
             now = time.perf_counter()
             batch_steps = int(rollout.valid.sum())
@@ -190,36 +186,31 @@ def _experience(
 ) -> tuple[Batch, float]:
     """What to learn from a rollout, and how much of the returns' variance the critic explained."""
     device = policy.actor.log_std.device
-    observations, actions = rollout.observations.to(device), rollout.actions.to(device)
+    observations, valid = rollout.observations.to(device), torch.from_numpy(rollout.valid)
     with torch.no_grad():
         all_values = policy.critic(observations)
         next_values = policy.critic(rollout.successors.to(device))
-        all_log_probs = policy.actor.log_prob(observations, actions)
-    all_advantages = torch.from_numpy(
-        gae(
-            rollout.rewards.numpy(),
-            all_values.cpu().numpy(),
-            next_values.cpu().numpy(),
-            rollout.terminated.numpy(),
-            rollout.ended.numpy(),
-            settings.gamma,
-            settings.gae_lambda,
-        )
-    ).to(all_values)
-    advantages = all_advantages[rollout.valid]
-    values = all_values[rollout.valid]
+    all_advantages = gae(
+        rollout.rewards,
+        all_values.cpu().numpy(),
+        next_values.cpu().numpy(),
+        rollout.terminated,
+        rollout.ended,
+        settings.gamma,
+        settings.gae_lambda,
+    )
+    advantages = torch.from_numpy(all_advantages).to(all_values)[valid]
+    values = all_values[valid]
     returns = values + advantages
     batch = Batch(
-        observations=observations[rollout.valid],
-        actions=actions[rollout.valid],
-        log_probs=all_log_probs[rollout.valid],
+        observations=observations[valid],
+        actions=rollout.actions[valid].to(device),
+        log_probs=rollout.log_probs[valid].to(device),
         # Over the whole batch: a minibatch's own mean and deviation would be noise on top.
         advantages=(advantages - advantages.mean()) / (advantages.std() + 1e-8),
         returns=returns,
-        orders=[
-            torch.randperm(len(returns), generator=generator).tensor_split(settings.minibatches)
-            for _ in range(settings.epochs)
-        ],
+        orders=[torch.randperm(len(returns), generator=generator).to(device) for _ in range(settings.epochs)],
+        minibatches=settings.minibatches,
         number=number,
     )
     return batch, (1 - (returns - values).var() / returns.var()).item()

@@ -4,6 +4,7 @@ Arrays are (steps T, environments N, ...), float32. A vector environment of Gymn
 environment that ended by itself; what that means for the transitions is dealt with here.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drakearm.errors import TrainingError
+from drakearm.learning.backprop import Backprop
 from drakearm.learning.policy import Actor
 
 
@@ -49,11 +51,12 @@ class Rollout:
 
     observations: Tensor  # (T, N, n_obs), before the action
     actions: Tensor  # (T, N, n_act), as sampled, not clipped
+    log_probs: Tensor  # of the actions
     successors: Tensor  # (T, N, n_obs), after the action and before any reset
-    rewards: Tensor
-    terminated: Tensor  # bool: the successor has no future
-    ended: Tensor  # bool: terminated, or truncated by a time limit
-    valid: Tensor  # bool: False for the steps that only reset an environment
+    rewards: NDArray[np.float32]
+    terminated: NDArray[np.bool_]  # the successor has no future
+    ended: NDArray[np.bool_]  # terminated, or truncated by a time limit
+    valid: NDArray[np.bool_]  # False for the steps that only reset an environment
     episode_returns: list[float]  # sums of the rewards of the episodes that ended in this batch
     tracking_error: float  # mean absolute error, rad; nan where environments do not tell
 
@@ -87,30 +90,30 @@ class Collector:
         shape = (self._steps, self._envs.num_envs)
         observations = torch.empty(*shape, self._observation.shape[-1])
         successors = torch.empty_like(observations)
-        actions = torch.empty(*shape, len(self._low))
-        rewards = torch.empty(shape)
-        terminated, ended, valid = (torch.empty(shape, dtype=torch.bool) for _ in range(3))
-        device = actor.log_std.device
-        noise = actor.log_std.exp().cpu() * torch.randn(actions.shape, generator=generator)
+        before, after = observations.numpy(), successors.numpy()  # the same memory
+        rewards = np.empty(shape, np.float32)
+        terminated, ended, valid = (np.empty(shape, bool) for _ in range(3))
+        device, log_std = actor.log_std.device, actor.log_std.cpu()
+        noise = torch.randn(*shape, len(self._low), generator=generator)
+        log_probs = -0.5 * noise.square().sum(-1) - log_std.sum() - 0.5 * math.log(2.0 * math.pi) * len(log_std)
+        actions = noise.mul_(log_std.exp())  # to which the means are added
+        mean = Backprop(actor.mean).forward  # less to do than for the modules, which counts with so few rows
         episode_returns: list[float] = []
         errors: list[NDArray[Any]] = []
 
         for t in range(self._steps):
-            observations[t] = torch.as_tensor(self._observation)
-            _require_finite(observations[t], "an observation", batch)
-            actions[t] = actor(observations[t].to(device)).cpu() + noise[t]
-            bounded = np.clip(actions[t].numpy(), self._low, self._high)
+            before[t] = self._observation
+            _require_finite(before[t], "an observation", batch)
+            actions[t] += mean(observations[t].to(device)).cpu()
+            bounded = actions[t].numpy().clip(self._low, self._high)
             observation, reward, terminal, truncated, infos = self._envs.step(bounded)
 
             over = terminal | truncated
             moved = ~self._resets_next
-            successors[t] = torch.as_tensor(observation)
+            after[t] = observation
             if self._same_step and over.any():
-                successors[t, over] = torch.as_tensor(np.stack(infos["final_obs"][over]), dtype=torch.float32)
-            rewards[t] = torch.as_tensor(reward)
-            terminated[t] = torch.as_tensor(terminal)
-            ended[t] = torch.as_tensor(over)
-            valid[t] = torch.as_tensor(moved)
+                after[t, over] = np.stack(infos["final_obs"][over])
+            rewards[t], terminated[t], ended[t], valid[t] = reward, terminal, over, moved
             errors += _tracking_errors(infos, moved)
 
             self._returns += reward * moved
@@ -120,11 +123,12 @@ class Collector:
             if not self._same_step:
                 self._resets_next = over
 
-        _require_finite(successors, "an observation", batch)
+        _require_finite(after, "an observation", batch)
         _require_finite(rewards, "a reward", batch)
         return Rollout(
             observations=observations,
             actions=actions,
+            log_probs=log_probs,
             successors=successors,
             rewards=rewards,
             terminated=terminated,
@@ -135,8 +139,8 @@ class Collector:
         )
 
 
-def _require_finite(values: Tensor, name: str, batch: int) -> None:
-    if not values.isfinite().all():
+def _require_finite(values: NDArray[Any], name: str, batch: int) -> None:
+    if not np.isfinite(values).all():
         raise TrainingError(f"The environments returned {name} that is not finite in batch {batch}.")
 
 

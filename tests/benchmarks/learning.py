@@ -96,7 +96,7 @@ def measure_vector(arms: int, muscles: int = 14, clock: Callable[[], float] = ti
 def measure_ppo() -> None:
     """PPO with the scenario's settings, collecting and updating on two cores: the median batch but the first."""
     scenario, task = load_task()
-    settings = replace(scenario.training, batches=PPO_BATCHES, critic_batches=0)
+    settings = replace(scenario.training, batches=PPO_BATCHES)
     envs, times = ArmVectorEnv(task, settings.environments), []
     train(envs, settings, seed=0, metadata={}, on_batch=lambda _: times.append(time.perf_counter()))
     steps = settings.environments * settings.steps / statistics.median(np.diff(times))

@@ -24,7 +24,8 @@ def batch(actor: Actor, **changes) -> Batch:
         "log_probs": log_probs,
         "advantages": torch.randn(ROWS, generator=generator),
         "returns": torch.randn(ROWS, generator=generator),
-        "orders": [(torch.arange(ROWS),)],
+        "orders": [torch.arange(ROWS)],
+        "minibatches": 1,
         "number": 1,
     }
     return Batch(**(fields | changes))
@@ -40,7 +41,7 @@ def test_passes_are_those_of_autograd(network, rows):
     (network(inputs) * weights).sum().backward()
     expected = [parameter.grad.clone() for parameter in network.parameters()]
     network.zero_grad(set_to_none=False)
-    backprop = Backprop(network, ROWS)
+    backprop = Backprop(network)
     torch.testing.assert_close(backprop.forward(inputs), network(inputs).detach())
     backprop.backward(weights)
     for parameter, gradient in zip(network.parameters(), expected, strict=True):
@@ -76,7 +77,7 @@ def test_the_critic_learns_the_returns():
     critic = Critic(6, (32,))
     learner = CriticLearner(critic, max_grad_norm=10.0, weight=0.5)
     learner.set_learning_rate(0.01)
-    data = batch(Actor(6, 3, (4,)), orders=[(torch.arange(ROWS),)] * 500)
+    data = batch(Actor(6, 3, (4,)), orders=[torch.arange(ROWS)] * 500)
     learner.learn(data)
     with torch.no_grad():
         assert (critic(data.observations) - data.returns).square().mean() < 0.1 * data.returns.var()
