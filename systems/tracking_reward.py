@@ -20,9 +20,9 @@ class RewardWeights:
     velocity: Weights  # s^2/rad^2
     acceleration: Weights  # s^4/rad^2
 
-    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position, velocity and acceleration weights, each (n_q,)."""
-        return np.array(self.position), np.array(self.velocity), np.array(self.acceleration)
+    def array(self) -> np.ndarray:
+        """All of them in this order, (3 n_q,)."""
+        return np.array([*self.position, *self.velocity, *self.acceleration])
 
 
 class TrackingReward(LeafSystem):
@@ -52,7 +52,7 @@ class TrackingReward(LeafSystem):
 
     def __init__(self, weights: RewardWeights):
         super().__init__()
-        self._weights = weights.arrays()
+        self._weights = weights.array()
         self._n_q = len(weights.position)
         self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * self._n_q)
         self._acceleration = self.DeclareVectorInputPort("arm_acceleration", self._n_q)
@@ -62,9 +62,8 @@ class TrackingReward(LeafSystem):
         self.DeclareVectorOutputPort("tracking_error", self._n_q, self._calc_error, states)
 
     def _calc_reward(self, context: Context, output: BasicVector) -> None:
-        n_q, x, wanted = self._n_q, self._arm_state.Eval(context), self._reference.Eval(context)
-        a = self._acceleration.Eval(context)
-        output[0] = tracking_reward(x[:n_q], x[n_q:], a, wanted[:n_q], wanted[n_q:], *self._weights)
+        arm_state, reference = self._arm_state.Eval(context), self._reference.Eval(context)
+        output[0] = tracking_reward(arm_state, self._acceleration.Eval(context), reference, self._weights)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
         q = self._arm_state.Eval(context)[: self._n_q]

@@ -51,9 +51,7 @@ class ArmVectorEnv(VectorEnv):
         does = np.arange(num_envs) % len(tasks)  # the task of every arm
         skeletons = [read_dynamics(plant) for plant in plants]
         self._arms = CompiledArms(arm, [skeletons[task] for task in does], self._lower, self._upper)
-        self._weights = tuple(
-            np.array(weights)[does] for weights in zip(*(t.reward.arrays() for t in tasks), strict=True)
-        )
+        self._weights = np.array([task.reward.array() for task in tasks])[does]
         self._start = np.array([task.reference.q[0] for task in tasks])[does]
         self._noise = np.array([task.start_noise for task in tasks])[does]
         previews = [task.reference.preview(LOOKAHEAD) for task in tasks]
@@ -62,8 +60,7 @@ class ArmVectorEnv(VectorEnv):
         self._last = np.cumsum(lengths)[does] - 1
         self._first = self._last - lengths[does] + 1
         self._row = self._first.copy()
-        wanted = np.concatenate([np.hstack([task.reference.q, task.reference.v]) for task in tasks])
-        self._wanted_q, self._wanted_v = (np.ascontiguousarray(half) for half in np.hsplit(wanted, 2))
+        self._wanted = np.concatenate([np.hstack([task.reference.q, task.reference.v]) for task in tasks])
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
@@ -97,9 +94,7 @@ class ArmVectorEnv(VectorEnv):
         acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._row += 1
-        reference_q, reference_v = self._wanted_q[self._row], self._wanted_v[self._row]
-        q, v = self._arm_state[:, : self._n_q], self._arm_state[:, self._n_q :]
-        reward = tracking_reward(q, v, acceleration, reference_q, reference_v, *self._weights)
+        reward = tracking_reward(self._arm_state, acceleration, self._wanted[self._row], self._weights)
         truncated = self._row == self._last
         info = self._info()
         observation = self._observe()
@@ -133,7 +128,7 @@ class ArmVectorEnv(VectorEnv):
     def _info(self) -> dict[str, Any]:
         info = {
             "arm_state": self._arm_state,
-            "tracking_error": self._arm_state[:, : self._n_q] - self._wanted_q[self._row],
+            "tracking_error": (self._arm_state - self._wanted[self._row])[:, : self._n_q],
             "activation": self._muscle_state[:, : self._n],
         }
         everywhere = np.ones(self.num_envs, dtype=bool)

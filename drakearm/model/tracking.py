@@ -5,18 +5,11 @@ from typing import Any
 import numpy as np
 
 
-def tracking_reward(
-    q: np.ndarray,
-    v: np.ndarray,
-    a: np.ndarray,
-    reference_q: np.ndarray,
-    reference_v: np.ndarray,
-    w_q: np.ndarray,
-    w_v: np.ndarray,
-    w_a: np.ndarray,
-) -> Any:
+def tracking_reward(arm_state: np.ndarray, acceleration: np.ndarray, reference: np.ndarray, weights: np.ndarray) -> Any:
     """Minus the weighted squares of position errors, velocity errors and accelerations (eq. 6).
 
-    All arrays are (n_q,), or (N, n_q) for the rewards (N,) of many arms.
+    arm_state, reference: q and v, (2 n_q,). acceleration: (n_q,). weights: of positions, velocities and accelerations,
+    (3 n_q,). For the rewards (N,) of many arms there is a row for each in all of them.
     """
-    return -(w_q * (reference_q - q) ** 2 + w_v * (reference_v - v) ** 2 + w_a * a**2).sum(axis=-1)
+    lost = np.concatenate([reference - arm_state, acceleration], axis=-1)
+    return -(weights * lost**2).sum(axis=-1)
