@@ -36,8 +36,14 @@ class CompiledArms:
         self._count = count
         dynamics = stack_dynamics(skeletons)
         coefficients = (dynamics.mass_coefficient, dynamics.gravity_coefficient)
-        self._dynamics = (dynamics, *(self._to_lanes(c.reshape(count, -1)) for c in coefficients))
-        self._tables = (arm.muscle_table, arm.path_table, muscle_kinds(arm.muscle_table))
+        self._tables = (
+            arm.muscle_table,
+            arm.path_table,
+            muscle_kinds(arm.muscle_table),
+            dynamics,
+            *(self._to_lanes(c.reshape(count, -1)) for c in coefficients),
+        )
+        self._work = (make_muscle_lanes(n, arm.path_table, n_q, lanes), make_dynamics_lanes(dynamics, n_q, lanes))
         self._stops = (lower, upper, STIFFNESS, DAMPING)
         self._arm_state = np.zeros((blocks, 2 * n_q, lanes))
         self._muscle_state = np.zeros((blocks, 4 * n, lanes))
@@ -73,8 +79,8 @@ class CompiledArms:
             steps,
             time_step,
             *self._tables,
-            *self._dynamics,
             self._stops,
+            *self._work,
         )
         return self._from_lanes(self._acceleration)
 
@@ -102,6 +108,8 @@ def step_arms(
     mass_coefficient,
     gravity_coefficient,
     stops,
+    muscle_work,
+    dynamics_work,
 ):
     """Advances arms in place by a number of time steps with their excitations held, and writes their accelerations.
 
@@ -113,14 +121,13 @@ def step_arms(
     lower, upper, stiffness, damping = stops
     thelen, degroote, rigid = kinds
     tau, later_x, later_a = np.empty((n_q, lanes)), np.empty((2 * n_q, lanes)), np.empty((n_q, lanes))
-    work = make_muscle_lanes(muscles, paths, n_q, lanes)
     for block in range(blocks):
         x, state, a, u = arm_state[block], muscle_state[block], acceleration[block], excitation[block]
-        skeleton = make_dynamics_lanes(mass_coefficient[block], gravity_coefficient[block], n_q, dynamics)
+        mass, gravity = mass_coefficient[block], gravity_coefficient[block]
         for half in range(2 * steps + 1):  # every step needs two accelerations; the last one is returned
             starts = half % 2 == 0
             if starts and half < 2 * steps:
-                step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, thelen, degroote, rigid, work)
+                step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, thelen, degroote, rigid, muscle_work)
                 for j in range(n_q):
                     for k in range(lanes):
                         q = x[j, k] + 0.5 * time_step * x[n_q + j, k]
@@ -129,7 +136,7 @@ def step_arms(
             for j in range(n_q):
                 for k in range(lanes):
                     acceleration_at[j, k] = tau[j, k]
-            forward_dynamics_lanes(at, acceleration_at, dynamics, skeleton)
+            forward_dynamics_lanes(at, acceleration_at, dynamics, mass, gravity, dynamics_work)
             if half == 2 * steps:
                 break
             for j in range(n_q):

@@ -47,10 +47,8 @@ class DynamicsTable(NamedTuple):
 
 
 class DynamicsLanes(NamedTuple):
-    """Working memory of `forward_dynamics_lanes`, and the coefficients of the skeleton in each lane."""
+    """Working memory of `forward_dynamics_lanes`."""
 
-    mass_coefficient: np.ndarray  # (K, lanes)
-    gravity_coefficient: np.ndarray  # (G, lanes)
     product: np.ndarray  # (1 + 4 n_q + P, lanes)
     mass: np.ndarray  # (n_q n_q, lanes), upper triangle
     slope: np.ndarray  # (S, lanes)
@@ -187,35 +185,36 @@ def _slopes(q: np.ndarray) -> np.ndarray:
     return np.stack([np.zeros_like(q), -np.sin(q), np.cos(q), -2 * np.sin(2 * q), 2 * np.cos(2 * q)], axis=-1)
 
 
-@compiled
-def make_dynamics_lanes(mass_coefficient, gravity_coefficient, n_q, dynamics):
-    """Working memory for skeletons side by side with these coefficients, (K, lanes) and (G, lanes)."""
-    lanes = mass_coefficient.shape[1]
+def make_dynamics_lanes(dynamics: DynamicsTable, n_q: int, lanes: int) -> DynamicsLanes:
+    """Working memory for skeletons side by side."""
     product = np.ones((1 + 4 * n_q + len(dynamics.factors), lanes))
     mass, slope = np.empty((n_q * n_q, lanes)), np.empty((len(dynamics.slope_entry), lanes))
-    return DynamicsLanes(mass_coefficient, gravity_coefficient, product, mass, slope)
+    return DynamicsLanes(product, mass, slope)
+
+
+_make_dynamics_lanes = inner(make_dynamics_lanes)
 
 
 @compiled
 def forward_dynamics(q, v, tau, dynamics):
     """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau: M a = tau + gravity - Coriolis."""
     n_q = len(q)
-    mass_coefficient, gravity_coefficient = dynamics.mass_coefficient, dynamics.gravity_coefficient
-    work = make_dynamics_lanes(mass_coefficient.reshape(-1, 1), gravity_coefficient.reshape(-1, 1), n_q, dynamics)
+    mass, gravity = dynamics.mass_coefficient.reshape(-1, 1), dynamics.gravity_coefficient.reshape(-1, 1)
     state, a = np.empty((2 * n_q, 1)), np.empty(n_q)
     for j in range(n_q):
         state[j, 0], state[n_q + j, 0], a[j] = q[j], v[j], tau[j]
-    forward_dynamics_lanes(state, a.reshape(-1, 1), dynamics, work)
+    work = _make_dynamics_lanes(dynamics, n_q, 1)
+    forward_dynamics_lanes(state, a.reshape(-1, 1), dynamics, mass, gravity, work)
     return a
 
 
 @inner
-def forward_dynamics_lanes(state, force, dynamics, work):
+def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coefficient, work):
     """`forward_dynamics` for skeletons side by side: turns torques (n_q, lanes) into accelerations, in place.
 
-    state: q and v, (2 n_q, lanes).
+    state: q and v, (2 n_q, lanes). The coefficients of the terms are those of each skeleton, (K, lanes) and (G, lanes).
     """
-    mass_coefficient, gravity_coefficient, product, mass, slope = work
+    product, mass, slope = work
     n_q, lanes = force.shape
     for j in range(n_q):
         for k in range(lanes):

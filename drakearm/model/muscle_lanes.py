@@ -53,10 +53,9 @@ class MuscleLanes(NamedTuple):
     fiber: np.ndarray  # (lanes,), later lengths of the fibers of one muscle
 
 
-@inner
-def make_muscle_lanes(muscles, paths, n_q, lanes):
-    """Working memory for `lanes` arms with the same muscles."""
-    n, terms = len(muscles), count_terms(paths)
+def make_muscle_lanes(n: int, paths: np.ndarray, n_q: int, lanes: int) -> MuscleLanes:
+    """Working memory for `lanes` arms with the same n muscles."""
+    terms = count_terms(paths)
     return MuscleLanes(
         make_path_pieces(paths, lanes),
         np.empty((n, lanes)),

@@ -141,16 +141,13 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
 
 
 @compiled
-def _equilibrium(activation, q, muscles, paths):
-    """Fiber lengths (n, N) at joint angles q (n_q, N)."""
-    n, count = len(muscles), q.shape[1]
-    length, slope = np.empty((n, count)), np.empty((count_terms(paths), count))
-    evaluate_path_lanes(q, paths, make_path_pieces(paths, count), length, slope)
-    for i in range(n):
+def _equilibrium(activation, q, muscles, paths, pieces, length, slope):
+    """Writes the fiber lengths (n, N) of N postures q (n_q, N) into `length`; see `evaluate_path_lanes`."""
+    evaluate_path_lanes(q, paths, pieces, length, slope)
+    for i in range(len(muscles)):
         m = muscle_parameters(muscles[i], muscles[i].model_code)
-        for k in range(count):
+        for k in range(q.shape[1]):
             length[i, k] = equilibrium_fiber_length(activation[i], length[i, k], m)
-    return length
 
 
 def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -> np.ndarray:
@@ -159,15 +156,18 @@ def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -
     Fibers on compliant tendons carry there what their tendons pull. Raises EquilibriumError, naming the muscles, where
     even the shortest fiber leaves the tendon slack.
     """
-    fiber_length = _equilibrium(activation, np.ascontiguousarray(q.T), arm.muscle_table, arm.path_table).T
-    unknown = np.isnan(fiber_length)
+    muscles, paths, count = arm.muscle_table, arm.path_table, len(q)
+    pieces, slope = make_path_pieces(paths, count), np.empty((count_terms(paths), count))
+    length = np.empty((len(muscles), count))
+    _equilibrium(activation, np.ascontiguousarray(q.T), muscles, paths, pieces, length, slope)
+    unknown = np.isnan(length.T)
     for k in np.flatnonzero(unknown.any(axis=1)):
         slack = [name for name, slack in zip(arm.muscle_names, unknown[k], strict=True) if slack]
         raise EquilibriumError(
             f"At joint angles {np.round(q[k], 4).tolist()} rad {', '.join(slack)} of {arm.name} cannot be in "
             "equilibrium: the path is so short that even the shortest fiber leaves the tendon slack."
         )
-    return fiber_length
+    return length.T
 
 
 def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> np.ndarray:

@@ -43,8 +43,7 @@ def _knots(spline: BSpline) -> list[float]:
     return np.unique(spline.t[spline.k : len(spline.t) - spline.k]).tolist()
 
 
-@inner
-def count_terms(paths):
+def count_terms(paths: np.ndarray) -> int:
     """The number of terms in a table."""
     terms = header = 0
     while header < len(paths):
@@ -63,8 +62,7 @@ class PathPieces(NamedTuple):
     coefficients: np.ndarray  # (order, terms, lanes)
 
 
-@inner
-def make_path_pieces(paths, lanes):
+def make_path_pieces(paths: np.ndarray, lanes: int) -> PathPieces:
     """PathPieces in which no lane has found its piece."""
     terms, order = count_terms(paths), paths.shape[1] - 1
     return PathPieces(

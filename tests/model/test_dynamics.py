@@ -53,9 +53,9 @@ def test_skeletons_side_by_side_are_those_of_their_tables(arm):
     mass_coefficient, gravity_coefficient = (
         coefficients.reshape(3, -1).T.copy() for coefficients in (stacked.mass_coefficient, stacked.gravity_coefficient)
     )
-    work = make_dynamics_lanes(mass_coefficient, gravity_coefficient, 2, stacked)
+    work = make_dynamics_lanes(stacked, 2, lanes=3)
     state, a = np.random.default_rng(0).uniform(-2.0, 2.0, (4, 3)), np.ones((2, 3))
-    forward_dynamics_lanes(state, a, stacked, work)
+    forward_dynamics_lanes(state, a, stacked, mass_coefficient, gravity_coefficient, work)
     for k, table in enumerate(tables):
         expected = forward_dynamics(state[:2, k].copy(), state[2:, k].copy(), np.ones(2), table)
         np.testing.assert_allclose(a[:, k], expected, rtol=1e-12)
