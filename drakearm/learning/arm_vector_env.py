@@ -109,9 +109,12 @@ class ArmVectorEnv(VectorEnv):
         q = self._start[which] + self._noise[which, None] * normals  # as in TaskSystems.StartPosture
         q = np.clip(q, self._lower, self._upper)
         arm_state = np.hstack([q, np.zeros_like(q)])
-        self._arms.set_state(which, arm_state, resting_states(self._arm, q, RESTING_ACTIVATION))
-        self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._row[which] = self._first[which]
+        self._set_state(which, arm_state, resting_states(self._arm, q, RESTING_ACTIVATION))
+
+    def _set_state(self, which: np.ndarray, arm_state: np.ndarray, muscle_state: np.ndarray) -> None:
+        self._arms.set_state(which, arm_state, muscle_state)
+        self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
 
     def _observe(self) -> np.ndarray:
         n = self._n

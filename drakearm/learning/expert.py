@@ -24,7 +24,11 @@ class StaticExpert:
     def __init__(self, tasks: Sequence[TrackingTask], num_envs: int) -> None:
         """Arm i does task i % len(tasks), as in `ArmVectorEnv`."""
         self._does = np.arange(num_envs) % len(tasks)
-        self._wanted = [np.hstack([task.reference.q, task.reference.v, task.reference.a]) for task in tasks]
+        wanted = [np.hstack([task.reference.q, task.reference.v, task.reference.a]) for task in tasks]
+        lengths = np.array([len(samples) for samples in wanted])
+        self._wanted = np.concatenate(wanted)  # of all tasks; every arm goes from its first row to its last
+        self._last = np.cumsum(lengths)[self._does] - 1
+        self._first = self._last - lengths[self._does] + 1
         plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
         self._skeletons = [(plant, plant.CreateDefaultContext()) for plant in plants]
         self._muscles, self._paths = tasks[0].arm.muscle_table, tasks[0].arm.path_table
@@ -32,16 +36,17 @@ class StaticExpert:
 
     def act(self, arm_state: np.ndarray, activation: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """Excitations (N, n) for arms at states (N, 2 n_q), with activations (N, n); steps: (N,), since the start."""
-        q, v = np.split(arm_state, 2, axis=1)
+        wanted = self._wanted[np.minimum(self._first + steps + 1, self._last)]
+        wanted_q, wanted_v, wanted_a = np.hsplit(wanted, 3)
+        q, v = np.hsplit(arm_state, 2)
         q = q + CONTROL_STEP * v
+        a = wanted_a + STIFFNESS * (wanted_q - q) + DAMPING * (wanted_v - v)
+        forecast = np.hstack([q, v])
         excitation = np.empty_like(activation)
         for k, task in enumerate(self._does):
-            wanted = self._wanted[task][min(steps[k] + 1, len(self._wanted[task]) - 1)]
-            wanted_q, wanted_v, wanted_a = np.split(wanted, 3)
-            a = wanted_a + STIFFNESS * (wanted_q - q[k]) + DAMPING * (wanted_v - v[k])
             plant, context = self._skeletons[task]
-            plant.SetPositionsAndVelocities(context, np.concatenate([q[k], v[k]]))
-            tau = inverse_dynamics(plant, context, a)
+            plant.SetPositionsAndVelocities(context, forecast[k])
+            tau = inverse_dynamics(plant, context, a[k])
             guess = self._activation[k]
             self._activation[k], _ = static_activations(q[k], v[k], tau, guess, self._muscles, self._paths)
             excitation[k] = excitations_to_reach(self._activation[k], activation[k], CONTROL_STEP, self._muscles)

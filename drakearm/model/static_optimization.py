@@ -22,26 +22,27 @@ from drakearm.muscle.contraction import (
 
 RESERVE_WEIGHT = 1e4  # 1/(Nm)^2, of squared reserve torques against squared activations
 _ROUNDS = 20  # of linearizing the muscles
-_SETTLED = 1e-5  # change of the activations in the last round
+_SETTLED = 1e-4  # change of the activations in the last round; what remains is about its square
+_GUESSED_STRAIN = 0.02  # of tendons, where the search for fiber lengths begins
 _DUAL_STEPS = 50
 _DUAL_TOLERANCE = 1e-7  # Nm
 
 
 @inner
-def steady_force(activation, mtu_length, mtu_speed, m):
-    """Tendon force (N) of a muscle whose tendon keeps its present strain, and its slope by activation.
+def steady_force(activation, mtu_length, mtu_speed, guess, m):
+    """Tendon force (N) of a muscle whose tendon keeps its present strain, its slope by activation, the fiber length.
 
     The fiber then moves as its path does, and its length is that at which it carries what the tendon pulls. At rest
     this is the equilibrium; in movement it neglects only the rate at which the tendon stretches. A rigid tendon would
     be linear but for `velocity_scale`, but misjudges what a posture can hold: tendons of up to ten fiber lengths
-    stretch by as much as a third of one.
+    stretch by as much as a third of one. guess: of the fiber length, m; any number.
     """
     if m.rigid_tendon:
         force, by_activation, _, _ = rigid_tendon_force(activation, mtu_length, mtu_speed, m)
-        return force, by_activation
+        return force, by_activation, guess
     low = shortest_fiber(m)
     high = max(slack_fiber_length(mtu_length, m), low) * (1.0 + 1e-9)
-    x = 0.5 * (low + high)
+    x = min(max(guess, low), high)
     by_activation = slope = 0.0
     for _ in range(ITERATIONS):
         cosine = math.sqrt(1.0 - (m.fiber_width / x) ** 2)
@@ -60,8 +61,8 @@ def steady_force(activation, mtu_length, mtu_speed, m):
             break
     force, by_length, _ = tendon_force(x, mtu_length, m)
     if force > 0.0 and slope < 0.0:
-        return force, -by_length * by_activation / slope
-    return force, 0.0
+        return force, -by_length * by_activation / slope, x
+    return force, 0.0, x
 
 
 @inner
@@ -113,23 +114,26 @@ def static_activations(q, v, tau, guess, muscles, paths):
     """
     n, n_q = len(muscles), len(q)
     length, moment_arm = muscle_geometry(q, muscles, paths)
-    lower = np.empty(n)
+    lower, fiber = np.empty(n), np.empty(n)
     for i in range(n):
         lower[i] = muscles[i].minimum_activation
+        fiber[i] = slack_fiber_length(length[i] - _GUESSED_STRAIN * muscles[i].tendon_slack_length, muscles[i])
     a = np.minimum(np.maximum(guess, lower), 1.0)
     gain = np.empty((n, n_q))
     reserve = np.empty(n_q)
     for _ in range(_ROUNDS):
         reserve[:] = tau
         for i in range(n):
-            force, slope = steady_force(a[i], length[i], mtu_velocity(i, moment_arm, v), muscles[i])
+            speed = mtu_velocity(i, moment_arm, v)
+            force, slope, fiber[i] = steady_force(a[i], length[i], speed, fiber[i], muscles[i])
             for j in range(n_q):
                 reserve[j] -= moment_arm[i, j] * force
                 gain[i, j] = moment_arm[i, j] * slope
         move = _smallest_controls(gain, reserve + a @ gain, lower) - a
+        a += move
+        reserve -= move @ gain
         if np.abs(move).max() < _SETTLED:
             break
-        a += move
     return a, reserve
 
 

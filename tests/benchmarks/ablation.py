@@ -52,16 +52,13 @@ class StartsAnywhere(ArmVectorEnv):
         super().__init__(task, num_envs)
         q = task.reference.q
         activation = muscle_feasibility(task.arm, task.reference, task.load_mass).activation
-        states = [resting_states(task.arm, q[k : k + 1], activation[k]) for k in range(len(q))]
-        self._states, self._torques = (np.concatenate(parts) for parts in zip(*states, strict=True))
+        self._states = np.concatenate([resting_states(task.arm, q[k : k + 1], activation[k]) for k in range(len(q))])
 
     def _restart(self, which: np.ndarray) -> None:
         super()._restart(which)
-        for k in np.flatnonzero(which):
-            row = self._generators[k].integers(self._last[k])
-            self._row[k] = row
-            self._arm_state[k] = np.concatenate([self._wanted_q[row], self._wanted_v[row]])
-            self._muscle_state[k], self._torque[k] = self._states[row], self._torques[row]
+        rows = np.array([self._generators[k].integers(self._last[k]) for k in np.flatnonzero(which)])
+        self._row[which] = rows
+        self._set_state(which, self._wanted[rows], self._states[rows])
 
 
 @dataclass(frozen=True)

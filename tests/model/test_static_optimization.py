@@ -24,7 +24,7 @@ def exerted(arm, a, q, v):
     """Torque (n_q,) of steady muscles."""
     length, moment_arm = muscle_geometry(q, arm.muscle_table, arm.path_table)
     muscles = enumerate(arm.muscle_table.view(np.recarray))
-    force = [steady_force(a[i], length[i], mtu_velocity(i, moment_arm, v), m)[0] for i, m in muscles]
+    force = [steady_force(a[i], length[i], mtu_velocity(i, moment_arm, v), 0.1, m)[0] for i, m in muscles]
     return moment_arm.T @ force
 
 
@@ -80,8 +80,8 @@ def test_force_slope_is_the_derivative_by_activation(any_arm):
         v, a = rng.normal(size=2), rng.uniform(0.02, 0.98)
         for i, m in enumerate(any_arm.muscle_table.view(np.recarray)):
             speed = mtu_velocity(i, moment_arm, v)
-            above, below = (steady_force(a + d, length[i], speed, m)[0] for d in (h, -h))
-            slope = steady_force(a, length[i], speed, m)[1]
+            above, below = (steady_force(a + d, length[i], speed, 0.1, m)[0] for d in (h, -h))
+            slope = steady_force(a, length[i], speed, 0.1, m)[1]
             np.testing.assert_allclose((above - below) / (2 * h), slope, rtol=1e-3, atol=1e-3 * m.max_isometric_force)
 
 
