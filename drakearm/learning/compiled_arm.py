@@ -18,7 +18,7 @@ from drakearm.model.muscle_lanes import make_muscle_lanes, muscle_kinds, step_mu
 from drakearm.muscle.compiled import compiled
 from drakearm.systems.joint_stops import DAMPING, STIFFNESS
 
-LANES = 64
+LANES = 128
 
 
 class CompiledArms:

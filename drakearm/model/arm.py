@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 from scipy.interpolate import BSpline
 
 from drakearm.model.paths import make_path_table
-from drakearm.muscle import thelen2003
+from drakearm.muscle import degroote2016, thelen2003
 from drakearm.muscle.parameters import MODEL_CODES, MUSCLE_DTYPE
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -112,6 +112,21 @@ class Muscle:
     def tendon_stiffness(self) -> float:
         """Slope of the tendon curve beyond the toe region: forces of max_isometric_force per strain."""
         return thelen2003.tendon_stiffness(self.tendon_strain)
+
+    @property
+    def passive_offset(self) -> float:
+        """What the passive force's exponential starts from."""
+        return self._passive_constants[0]
+
+    @property
+    def passive_scale(self) -> float:
+        """Passive force over max_isometric_force, per unit of its exponential."""
+        return self._passive_constants[1]
+
+    @property
+    def _passive_constants(self) -> tuple[float, float]:
+        model = thelen2003 if self.model == "thelen2003" else degroote2016
+        return model.passive_constants(self.passive_strain, self.passive_shape)
 
 
 @dataclass(frozen=True, config=_STRICT)

@@ -24,6 +24,12 @@ _SHORTEST_PASSIVE = 0.2  # fiber length at which the passive force is 0
 _LOWEST, _HIGHEST = -0.5, 2.3  # forces beyond which the velocity, then over 5, continues along tangents
 
 
+def passive_constants(passive_strain: float, passive_shape: float) -> tuple[float, float]:
+    """Offset and scale of the passive force's exponential."""
+    offset = math.exp(passive_shape / passive_strain * (_SHORTEST_PASSIVE - 1.0))
+    return offset, 1.0 / (math.exp(passive_shape) - offset)
+
+
 @inlined
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length: a sum of three Gaussian-like curves."""
@@ -41,10 +47,8 @@ def active_force_length(length, m):
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length: an exponential, 0 at _SHORTEST_PASSIVE."""
     rate = m.passive_shape / m.passive_strain
-    offset = exp(rate * (_SHORTEST_PASSIVE - 1.0))
     growth = exp(min(rate * (length - 1.0), GREATEST_EXPONENT))
-    scale = 1.0 / (exp(m.passive_shape) - offset)
-    return (growth - offset) * scale, rate * growth * scale
+    return (growth - m.passive_offset) * m.passive_scale, rate * growth * m.passive_scale
 
 
 @inlined

@@ -34,6 +34,8 @@ class MuscleParameters(NamedTuple):
     minimum_fiber_length: float  # where pennation reaches acos(0.1)
     toe_strain: float  # tendon strain where the exponential toe region ends
     tendon_stiffness: float  # beyond the toe region, over max_isometric_force, per strain
+    passive_offset: float  # the passive force is passive_scale (exp(...) - passive_offset)
+    passive_scale: float
 
 
 _NUMPY_TYPES = {int: np.int64, bool: np.bool_, float: np.float64}
@@ -68,4 +70,6 @@ def muscle_parameters(record, model_code):
         record.minimum_fiber_length,
         record.toe_strain,
         record.tendon_stiffness,
+        record.passive_offset,
+        record.passive_scale,
     )

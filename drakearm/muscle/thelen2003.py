@@ -28,6 +28,11 @@ def tendon_stiffness(tendon_strain: float) -> float:
     return (1.0 - TOE_FORCE) / (tendon_strain - toe_strain(tendon_strain))
 
 
+def passive_constants(passive_strain: float, passive_shape: float) -> tuple[float, float]:
+    """Offset and scale of the passive force's exponential (eq. 3)."""
+    return 1.0, 1.0 / math.expm1(passive_shape)
+
+
 @inlined
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length (eq. 4)."""
@@ -39,10 +44,9 @@ def active_force_length(length, m):
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length (eq. 3), 0 below the optimal length."""
     rate = m.passive_shape / m.passive_strain
-    scale = 1.0 / (exp(m.passive_shape) - 1.0)
     growth = exp(min(rate * max(length - 1.0, 0.0), GREATEST_EXPONENT))
-    slope = rate * growth * scale
-    return (growth - 1.0) * scale, slope if length > 1.0 else 0.0
+    slope = rate * growth * m.passive_scale
+    return (growth - m.passive_offset) * m.passive_scale, slope if length > 1.0 else 0.0
 
 
 @inlined
