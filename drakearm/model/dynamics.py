@@ -50,6 +50,7 @@ class DynamicsLanes(NamedTuple):
     """Working memory of `forward_dynamics_lanes`."""
 
     product: np.ndarray  # (1 + 4 n_q + P, lanes)
+    speed: np.ndarray  # (n_q n_q, lanes), products of two joint speeds
     mass: np.ndarray  # (n_q n_q, lanes), upper triangle
     slope: np.ndarray  # (S, lanes)
 
@@ -188,8 +189,8 @@ def _slopes(q: np.ndarray) -> np.ndarray:
 def make_dynamics_lanes(dynamics: DynamicsTable, n_q: int, lanes: int) -> DynamicsLanes:
     """Working memory for skeletons side by side."""
     product = np.ones((1 + 4 * n_q + len(dynamics.factors), lanes))
-    mass, slope = np.empty((n_q * n_q, lanes)), np.empty((len(dynamics.slope_entry), lanes))
-    return DynamicsLanes(product, mass, slope)
+    speed, mass = np.empty((n_q * n_q, lanes)), np.empty((n_q * n_q, lanes))
+    return DynamicsLanes(product, speed, mass, np.empty((len(dynamics.slope_entry), lanes)))
 
 
 _make_dynamics_lanes = inner(make_dynamics_lanes)
@@ -214,7 +215,7 @@ def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coe
 
     state: q and v, (2 n_q, lanes). The coefficients of the terms are those of each skeleton, (K, lanes) and (G, lanes).
     """
-    product, mass, slope = work
+    product, speed, mass, slope = work
     n_q, lanes = force.shape
     for j in range(n_q):
         for k in range(lanes):
@@ -223,39 +224,38 @@ def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coe
             product[4 * j + 2, k] = s
             product[4 * j + 3, k] = c * c - s * s
             product[4 * j + 4, k] = 2.0 * c * s
+        for i in range(n_q):
+            for k in range(lanes):
+                speed[n_q * i + j, k] = state[n_q + i, k] * state[n_q + j, k]
     for p in range(len(dynamics.factors)):
         first, second = dynamics.factors[p, 0], dynamics.factors[p, 1]
         for k in range(lanes):
             product[4 * n_q + 1 + p, k] = product[first, k] * product[second, k]
     for g in range(len(gravity_coefficient)):
-        _add_term(force, dynamics.gravity_entry[g], 1.0, gravity_coefficient, g, product, dynamics.gravity_product[g])
+        entry, p = dynamics.gravity_entry[g], dynamics.gravity_product[g]
+        _add_product(force, entry, 1.0, gravity_coefficient, g, product, p)
     mass[:] = 0.0
     slope[:] = 0.0
     for t in range(len(mass_coefficient)):
-        entry = n_q * dynamics.mass_entry[t, 0] + dynamics.mass_entry[t, 1]
-        _add_term(mass, entry, 1.0, mass_coefficient, t, product, dynamics.mass_product[t])
+        entry, p = n_q * dynamics.mass_entry[t, 0] + dynamics.mass_entry[t, 1], dynamics.mass_product[t]
+        _add_product(mass, entry, 1.0, mass_coefficient, t, product, p)
     for d in range(len(dynamics.slope_term)):
         s, t, p = dynamics.slope_term[d, 0], dynamics.slope_term[d, 1], dynamics.slope_term[d, 2]
-        _add_term(slope, s, float(dynamics.slope_term[d, 3]), mass_coefficient, t, product, p)
+        _add_product(slope, s, float(dynamics.slope_term[d, 3]), mass_coefficient, t, product, p)
     for s in range(len(slope)):  # Christoffel: minus dM_jk/dq_i v_i v_k for force j, plus half of it for force i
         row, column, i = dynamics.slope_entry[s, 0], dynamics.slope_entry[s, 1], dynamics.slope_entry[s, 2]
-        _add_product(force, row, -1.0, slope, s, state, n_q + i, n_q + column)
+        _add_product(force, row, -1.0, slope, s, speed, n_q * i + column)
         if column != row:
-            _add_product(force, column, -1.0, slope, s, state, n_q + i, n_q + row)
-        _add_product(force, i, 1.0 if column != row else 0.5, slope, s, state, n_q + row, n_q + column)
+            _add_product(force, column, -1.0, slope, s, speed, n_q * i + row)
+        _add_product(force, i, 1.0 if column != row else 0.5, slope, s, speed, n_q * row + column)
     _solve_lanes(mass, force)
 
 
 @inner
-def _add_term(total, row, factor, coefficient, t, product, p):
+def _add_product(total, row, factor, x, i, y, j):
+    """Adds factor * x[i] * y[j] to a row."""
     for k in range(total.shape[1]):
-        total[row, k] += factor * coefficient[t, k] * product[p, k]
-
-
-@inner
-def _add_product(force, row, factor, slope, s, state, i, j):
-    for k in range(force.shape[1]):
-        force[row, k] += factor * slope[s, k] * state[i, k] * state[j, k]
+        total[row, k] += factor * x[i, k] * y[j, k]
 
 
 @inner
@@ -267,15 +267,15 @@ def _solve_lanes(mass, force):
         for k in range(lanes):
             mass[pivot, k] = 1.0 / mass[pivot, k]
         for j in range(i + 1, n):
-            for c in range(j, n):
-                for k in range(lanes):
-                    mass[n * j + c, k] -= mass[n * i + j, k] * mass[pivot, k] * mass[n * i + c, k]
+            below = n * j + i  # the lower triangle holds what row i is multiplied by
             for k in range(lanes):
-                force[j, k] -= mass[n * i + j, k] * mass[pivot, k] * force[i, k]
+                mass[below, k] = mass[n * i + j, k] * mass[pivot, k]
+            for c in range(j, n):
+                _add_product(mass, n * j + c, -1.0, mass, below, mass, n * i + c)
+            _add_product(force, j, -1.0, mass, below, force, i)
     for i in range(n - 1, -1, -1):
         for j in range(i + 1, n):
-            for k in range(lanes):
-                force[i, k] -= mass[n * i + j, k] * force[j, k]
+            _add_product(force, i, -1.0, mass, n * i + j, force, j)
         for k in range(lanes):
             force[i, k] *= mass[n * i + i, k]
 
