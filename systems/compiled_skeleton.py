@@ -5,8 +5,9 @@ from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, Ini
 from pydrake.systems.framework import Context, ContinuousState, LeafSystem_
 from pydrake.systems.scalar_conversion import TemplateSystem
 
-from drakearm.model.dynamics import DynamicsTable, forward_dynamics
+from drakearm.model.dynamics import forward_dynamics
 from drakearm.model.dynamics_jacobian import linearize_dynamics
+from drakearm.model.dynamics_table import DynamicsTable
 
 
 @TemplateSystem.define("CompiledSkeleton_", T_list=[float, AutoDiffXd])

@@ -13,7 +13,7 @@ from drakearm.diagrams import MakeTorqueArm, TrackingTask
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
 from drakearm.learning.compiled_arm import CompiledArms
-from drakearm.model.dynamics import read_dynamics
+from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.musculature import resting_states
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.tracking import tracking_reward

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from drakearm.model import Arm
-from drakearm.model.dynamics import DynamicsTable, forward_dynamics_lanes, make_dynamics_lanes, stack_dynamics
+from drakearm.model.dynamics import forward_dynamics_lanes, make_dynamics_lanes
+from drakearm.model.dynamics_table import DynamicsTable, stack_dynamics
 from drakearm.model.joint_stops import one_stop_torque
 from drakearm.model.muscle_lanes import make_muscle_lanes, muscle_kinds, step_muscle_lanes
 from drakearm.muscle.compiled import compiled

@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import PlanningError
 from drakearm.model import Arm
-from drakearm.model.dynamics import read_dynamics
+from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.points import PointTable, read_points
 from drakearm.planning.clearance import clearances

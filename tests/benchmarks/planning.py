@@ -21,7 +21,8 @@ from rich.table import Table
 from drakearm.diagrams import MakeMpcLoop, MakeTorqueArm
 from drakearm.experiments.scenario import load_scenario
 from drakearm.model import load_arm
-from drakearm.model.dynamics import DynamicsTable, forward_dynamics, read_dynamics
+from drakearm.model.dynamics import forward_dynamics
+from drakearm.model.dynamics_table import DynamicsTable, read_dynamics
 from drakearm.planning import HeldJoint, Movement, Posture, RecedingHorizon, Skeleton, Torque, TorqueRate, plan
 
 try:

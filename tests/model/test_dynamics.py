@@ -7,13 +7,8 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import ArmError
-from drakearm.model.dynamics import (
-    forward_dynamics,
-    forward_dynamics_lanes,
-    make_dynamics_lanes,
-    read_dynamics,
-    stack_dynamics,
-)
+from drakearm.model.dynamics import forward_dynamics, forward_dynamics_lanes, make_dynamics_lanes
+from drakearm.model.dynamics_table import read_dynamics, stack_dynamics
 
 from ..chains import make_chain
 

@@ -6,8 +6,9 @@ from pydrake.autodiffutils import ExtractGradient, InitializeAutoDiff
 from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.diagrams import MakeTorqueArm
-from drakearm.model.dynamics import forward_dynamics, read_dynamics
+from drakearm.model.dynamics import forward_dynamics
 from drakearm.model.dynamics_jacobian import linearize_dynamics
+from drakearm.model.dynamics_table import read_dynamics
 
 from ..chains import make_chain
 

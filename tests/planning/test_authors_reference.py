@@ -7,7 +7,8 @@ import pytest
 
 from drakearm.diagrams import MakeTorqueArm
 from drakearm.model import Arm
-from drakearm.model.dynamics import forward_dynamics, read_dynamics
+from drakearm.model.dynamics import forward_dynamics
+from drakearm.model.dynamics_table import read_dynamics
 from drakearm.planning import HeldJoint, Movement, Posture, Torque, TorqueRate, plan
 from drakearm.planning.torques import gravity_torque
 from tests.authors_pendulum import GRAVITY, LENGTHS, MASS, RODS, authors_pendulum, lighter

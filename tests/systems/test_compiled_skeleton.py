@@ -9,7 +9,7 @@ from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from drakearm.diagrams import MakeTorqueArm
-from drakearm.model.dynamics import read_dynamics
+from drakearm.model.dynamics_table import read_dynamics
 from drakearm.systems import CompiledSkeleton
 
 

@@ -14,7 +14,7 @@ from scipy.integrate import quad
 from drakearm.diagrams import AddMuscleArm, MakeSimulator, MakeTorqueArm
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.model import load_arm
-from drakearm.model.dynamics import read_dynamics
+from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.joint_stops import HARDENING
 from drakearm.model.musculature import resting_states, tendon_forces
 from drakearm.muscle.curves import passive_force_length, tendon_force_strain
