@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from drakearm.experiments.environments import make_task_env, scenario_task
 from drakearm.experiments.scenario import scenario_files
 from drakearm.learning import ArmVectorEnv
+from drakearm.learning.compiled_arm import LANES
 
 NAMES = list(scenario_files())
 TOLERANCE = {"first observation": 2.0**-23, "observation": 2.0**-23, "final_obs": 2.0**-23}  # float32; all else: 1e-8
@@ -78,9 +79,10 @@ def test_every_scenario(name, kind):
 
 @pytest.mark.parametrize("kind", ["uniform", "policy"])
 def test_all_scenarios_in_one_batch(kind):
-    """Of four arms for every scenario the last ones are compared: they lie in two of the kernel's blocks."""
+    """Of seven arms for every scenario the fourth ones are compared: they lie in two of the kernel's blocks."""
     tasks = [scenario_task(name) for name in NAMES]
-    many = ArmVectorEnv(tasks, 4 * len(tasks))
+    many = ArmVectorEnv(tasks, 7 * len(tasks))
+    assert LANES < many.num_envs < 2 * LANES
     steps = max(len(task.reference.t) for task in tasks) + BEYOND
     actions = draw_actions(kind, steps, many.num_envs)
     assert_parity(NAMES, many, diagrams(tasks), actions, seed=7, first=3 * len(tasks))
