@@ -15,7 +15,7 @@ from drakearm.errors import ActionError, TrainingError
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.musculature import resting_states
-from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.model.tracking import tracking_reward
 from drakearm.systems.hill_muscles import RESTING_ACTIVATION
 from drakearm.systems.proprioception import LOOKAHEAD, observation_scales
@@ -55,12 +55,10 @@ class ArmVectorEnv(VectorEnv):
         self._start = np.array([task.reference.q[0] for task in tasks])[does]
         self._noise = np.array([task.start_noise for task in tasks])[does]
         previews = [task.reference.preview(LOOKAHEAD) for task in tasks]
-        lengths = np.array([len(preview) for preview in previews])
         self._preview = np.concatenate(previews)  # of all tasks; every arm goes from its first row to its last
-        self._last = np.cumsum(lengths)[does] - 1
-        self._first = self._last - lengths[does] + 1
+        self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]), does)
         self._row = self._first.copy()
-        self._wanted = np.concatenate([np.hstack([task.reference.q, task.reference.v]) for task in tasks])
+        self._wanted = np.concatenate([task.reference.preview() for task in tasks])  # what is wanted at this moment
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q

@@ -91,7 +91,7 @@ class CompiledArms:
 
     def _from_lanes(self, blocks: np.ndarray) -> np.ndarray:
         """And back."""
-        return np.array(blocks.swapaxes(1, 2)).reshape(-1, blocks.shape[1])[: self._count]
+        return np.array(blocks.swapaxes(1, 2), order="C").reshape(-1, blocks.shape[1])[: self._count]
 
 
 @compiled

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drakearm.diagrams import MakeTorqueArm, TrackingTask
-from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.model.skeleton import inverse_dynamics
 from drakearm.model.static_optimization import excitations_to_reach, static_activations
 
@@ -25,10 +25,8 @@ class StaticExpert:
         """Arm i does task i % len(tasks), as in `ArmVectorEnv`."""
         self._does = np.arange(num_envs) % len(tasks)
         wanted = [np.hstack([task.reference.q, task.reference.v, task.reference.a]) for task in tasks]
-        lengths = np.array([len(samples) for samples in wanted])
         self._wanted = np.concatenate(wanted)  # of all tasks; every arm goes from its first row to its last
-        self._last = np.cumsum(lengths)[self._does] - 1
-        self._first = self._last - lengths[self._does] + 1
+        self._first, self._last = sample_ranges(np.array([len(samples) for samples in wanted]), self._does)
         plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
         self._skeletons = [(plant, plant.CreateDefaultContext()) for plant in plants]
         self._muscles, self._paths = tasks[0].arm.muscle_table, tasks[0].arm.path_table

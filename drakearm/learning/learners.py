@@ -78,8 +78,7 @@ class ActorLearner(Learner):
         ):
             inverse_std = torch.exp(-actor.log_std)
             z = (actions - backprop.forward(observations)) * inverse_std
-            log_scale = actor.log_std.sum() + 0.5 * math.log(2.0 * math.pi) * actor.log_std.numel()
-            log_ratio = -0.5 * z.square().sum(1) - log_scale - log_probs
+            log_ratio = actor.log_density(z) - log_probs
             ratio = log_ratio.exp()
             whole, clipped = ratio * gain, ratio.clamp(1.0 - self._clip, 1.0 + self._clip) * gain
             # The loss is -mean(minimum(whole, clipped)); where clipped is the smaller one, its slope is 0.

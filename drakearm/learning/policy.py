@@ -83,7 +83,10 @@ class Actor(nn.Module):
 
     def log_prob(self, observations: Tensor, actions: Tensor) -> Tensor:
         """The log-density (...) of the unclipped `actions`, (..., n_act)."""
-        z = (actions - self(observations)) * torch.exp(-self.log_std)
+        return self.log_density((actions - self(observations)) * torch.exp(-self.log_std))
+
+    def log_density(self, z: Tensor) -> Tensor:
+        """The log-density (...) of actions that lie `z`, (..., n_act), standard deviations from their means."""
         log_scale = self.log_std.sum() + 0.5 * math.log(2 * math.pi) * self.log_std.numel()
         return -0.5 * z.square().sum(-1) - log_scale
 

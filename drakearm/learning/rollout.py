@@ -4,7 +4,6 @@ Arrays are (steps T, environments N, ...), float32. A vector environment of Gymn
 environment that ended by itself; what that means for the transitions is dealt with here.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -93,10 +92,10 @@ class Collector:
         before, after = observations.numpy(), successors.numpy()  # the same memory
         rewards = np.empty(shape, np.float32)
         terminated, ended, valid = (np.empty(shape, bool) for _ in range(3))
-        device, log_std = actor.log_std.device, actor.log_std.cpu()
+        device = actor.log_std.device
         noise = torch.randn(*shape, len(self._low), generator=generator)
-        log_probs = -0.5 * noise.square().sum(-1) - log_std.sum() - 0.5 * math.log(2.0 * math.pi) * len(log_std)
-        actions = noise.mul_(log_std.exp())  # to which the means are added
+        log_probs = actor.log_density(noise.to(device)).cpu()
+        actions = noise.mul_(actor.log_std.exp().cpu())  # to which the means are added
         mean = Backprop(actor.mean).forward  # less to do than for the modules, which counts with so few rows
         episode_returns: list[float] = []
         errors: list[NDArray[Any]] = []

@@ -48,3 +48,12 @@ class Reference:
     def load(cls, file: Path) -> "Reference":
         """Reads what `save` wrote. Raises RunFolderError if the file is missing or lacks an array."""
         return load_arrays(cls, file)
+
+
+def sample_ranges(lengths: np.ndarray, does: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of each arm's first and last sample, (N,), where those of several references follow each other.
+
+    lengths: numbers of samples of the references. does: the reference of every arm, (N,).
+    """
+    last = np.cumsum(lengths)[does] - 1
+    return last - lengths[does] + 1, last
