@@ -22,6 +22,7 @@ from pydantic import ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveI
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TrainingError
+from drakearm.learning.backprop import separate_weights
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.rollout import Collector, Rollout, gae
@@ -171,7 +172,9 @@ def train(
                 policy.save(checkpoint_path)
             if on_batch:
                 on_batch(report)
-    return policy.cpu()
+    policy.cpu()
+    separate_weights(policy)
+    return policy
 
 
 def _adapted(learning_rate: float, kl: float, target: float) -> float:
