@@ -6,16 +6,19 @@ from pydrake.systems.framework import BasicVector_, Context, DiscreteValues, Lea
 from pydrake.systems.scalar_conversion import TemplateSystem
 
 from drakearm.errors import DerivativeError
-from drakearm.model.joint_stops import held_stop_torque, one_stop_torque, stop_torque
-
-STIFFNESS = 5000.0  # Nm/rad
-DAMPING = 10.0  # Nm s/rad
+from drakearm.model.joint_stops import (
+    STOP_DAMPING,
+    STOP_STIFFNESS,
+    held_stop_torque,
+    joint_stop_torque,
+    stop_torque,
+)
 
 
 @TemplateSystem.define("JointStops_", T_list=[float, AutoDiffXd])
 def JointStops_(T):
     class Impl(LeafSystem_[T]):
-        """Springs and dampers that act on joints only beyond the ends of their range (`one_stop_torque`).
+        """Springs and dampers that act on joints only beyond the ends of their range (`joint_stop_torque`).
 
         .. pydrake_system::
 
@@ -42,8 +45,8 @@ def JointStops_(T):
             lower: np.ndarray,
             upper: np.ndarray,
             time_step: float = 1e-3,
-            stiffness: float = STIFFNESS,
-            damping: float = DAMPING,
+            stiffness: float = STOP_STIFFNESS,
+            damping: float = STOP_DAMPING,
             *,
             converter=None,
         ):
@@ -86,7 +89,7 @@ def JointStops_(T):
                 tau = stop_torque(q, v, self.lower, self.upper, self.stiffness, self.damping)
             else:
                 joints = zip(q, v, self.lower, self.upper, strict=True)
-                torques = [one_stop_torque.py_func(*x, self.stiffness, self.damping) for x in joints]
+                torques = [joint_stop_torque.py_func(*x, self.stiffness, self.damping) for x in joints]
                 tau = np.array([AutoDiffXd(0.0) + torque for torque in torques])
             output.SetFromVector(tau)
 

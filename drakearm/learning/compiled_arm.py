@@ -2,24 +2,57 @@
 
 Skeleton, muscles and stops are those of the Diagram: equations of motion read off the plant, and the same compiled
 functions that the systems call. The integrator is Drake's explicit trapezoidal rule (RungeKutta2Integrator), as in
-`MakeSimulator`. Arms are taken up to LANES at a time, side by side: in every array the arm is the last index, so that
-one vector instruction serves several arms.
+`MakeSimulator`. Up to LANES arms are stepped side by side, as a block: in every array the arm is the last index, its
+lane, so that one vector instruction serves several arms.
 """
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from drakearm.model import Arm
-from drakearm.model.dynamics import forward_dynamics_lanes, make_dynamics_lanes
+from drakearm.model.dynamics import DynamicsLanes, forward_dynamics_lanes, make_dynamics_lanes
 from drakearm.model.dynamics_table import DynamicsTable, stack_dynamics
-from drakearm.model.joint_stops import one_stop_torque
-from drakearm.model.muscle_lanes import make_muscle_lanes, muscle_kinds, step_muscle_lanes
-from drakearm.muscle.compiled import compiled
-from drakearm.systems.joint_stops import DAMPING, STIFFNESS
+from drakearm.model.joint_stops import STOP_DAMPING, STOP_STIFFNESS, joint_stop_torque
+from drakearm.model.muscle_lanes import MuscleKinds, MuscleLanes, make_muscle_lanes, muscle_kinds, step_muscle_lanes
+from drakearm.muscle.compiled import compiled, fma
 
 LANES = 128
+
+
+class ArmLanes(NamedTuple):
+    """The states of all arms, (blocks, size, lanes) each."""
+
+    arm_state: np.ndarray  # size 2 n_q: q and v
+    muscle_state: np.ndarray  # size 4 n, see `muscle_step`
+    acceleration: np.ndarray  # size n_q, of the torques that muscles and stops exert in the latest time step
+
+
+class ArmTables(NamedTuple):
+    """What the compiled step knows of the arms."""
+
+    muscles: np.ndarray  # `Arm.muscle_table`
+    paths: np.ndarray  # `Arm.path_table`
+    kinds: MuscleKinds
+    dynamics: DynamicsTable  # all terms that any of the skeletons has
+    mass_coefficient: np.ndarray  # (blocks, K, lanes), of these terms in each arm
+    gravity_coefficient: np.ndarray  # (blocks, G, lanes)
+    lower: np.ndarray  # (n_q,) rad, ends of the joints' ranges, where the stops begin
+    upper: np.ndarray
+    stiffness: float  # Nm/rad, of the stops
+    damping: float  # Nm s/rad, of the stops
+
+
+class Work(NamedTuple):
+    """Working memory of one block."""
+
+    muscles: MuscleLanes
+    dynamics: DynamicsLanes
+    tau: np.ndarray  # (n_q, lanes) Nm
+    later_x: np.ndarray  # (2 n_q, lanes), q and v at the end of a time step
+    later_a: np.ndarray  # (n_q, lanes)
 
 
 class CompiledArms:
@@ -32,58 +65,55 @@ class CompiledArms:
         count, n, n_q = len(skeletons), len(arm.muscles), len(arm.coordinates)
         blocks = math.ceil(count / LANES)
         lanes = math.ceil(count / blocks)
-        # The arm in every lane (blocks, lanes): lanes to spare repeat the last one.
+        # The arm in every lane (blocks, lanes): the lanes that are left over repeat the last arm.
         self._arm = np.minimum(np.arange(blocks * lanes), count - 1).reshape(blocks, lanes)
         self._count = count
         dynamics = stack_dynamics(skeletons)
-        coefficients = (dynamics.mass_coefficient, dynamics.gravity_coefficient)
-        self._tables = (
+        self._tables = ArmTables(
             arm.muscle_table,
             arm.path_table,
             muscle_kinds(arm.muscle_table),
             dynamics,
-            *(self._to_lanes(c.reshape(count, -1)) for c in coefficients),
+            self._to_lanes(dynamics.mass_coefficient.reshape(count, -1)),
+            self._to_lanes(dynamics.gravity_coefficient.reshape(count, -1)),
+            lower,
+            upper,
+            STOP_STIFFNESS,
+            STOP_DAMPING,
         )
-        self._work = (make_muscle_lanes(n, arm.path_table, n_q, lanes), make_dynamics_lanes(dynamics, n_q, lanes))
-        self._stops = (lower, upper, STIFFNESS, DAMPING)
-        self._arm_state = np.zeros((blocks, 2 * n_q, lanes))
-        self._muscle_state = np.zeros((blocks, 4 * n, lanes))
-        self._acceleration = np.zeros((blocks, n_q, lanes))
+        self._work = Work(
+            make_muscle_lanes(n, arm.path_table, n_q, lanes),
+            make_dynamics_lanes(dynamics, n_q, lanes),
+            np.empty((n_q, lanes)),
+            np.empty((2 * n_q, lanes)),
+            np.empty((n_q, lanes)),
+        )
+        self._lanes = ArmLanes(*(np.zeros((blocks, size, lanes)) for size in (2 * n_q, 4 * n, n_q)))
 
     @property
     def arm_state(self) -> np.ndarray:
         """A copy of q and v, (N, 2 n_q)."""
-        return self._from_lanes(self._arm_state)
+        return self._from_lanes(self._lanes.arm_state)
 
     @property
     def muscle_state(self) -> np.ndarray:
         """A copy of the states (N, 4 n) of `muscle_step`."""
-        return self._from_lanes(self._muscle_state)
+        return self._from_lanes(self._lanes.muscle_state)
 
     def set_state(self, which: np.ndarray, arm_state: np.ndarray, muscle_state: np.ndarray) -> None:
         """Puts the arms `which` (N,), bool, into states, a row for each of them."""
         row = (np.cumsum(which) - 1)[self._arm]
         chosen = which[self._arm]
-        self._arm_state.swapaxes(1, 2)[chosen] = arm_state[row[chosen]]
-        self._muscle_state.swapaxes(1, 2)[chosen] = muscle_state[row[chosen]]
+        self._lanes.arm_state.swapaxes(1, 2)[chosen] = arm_state[row[chosen]]
+        self._lanes.muscle_state.swapaxes(1, 2)[chosen] = muscle_state[row[chosen]]
 
     def step(self, excitation: np.ndarray, steps: int, time_step: float) -> np.ndarray:
         """Advances all arms with their excitations (N, n) held; returns the accelerations (N, n_q) at the end.
 
         Those are of the torques that muscles and stops exert in the last time step.
         """
-        step_arms(
-            self._arm_state,
-            self._muscle_state,
-            self._acceleration,
-            self._to_lanes(excitation),
-            steps,
-            time_step,
-            *self._tables,
-            self._stops,
-            *self._work,
-        )
-        return self._from_lanes(self._acceleration)
+        step_arms(self._lanes, self._to_lanes(excitation), steps, time_step, self._tables, self._work)
+        return self._from_lanes(self._lanes.acceleration)
 
     def _to_lanes(self, arms: np.ndarray) -> np.ndarray:
         """Rows of arms (N, size) as (blocks, size, lanes)."""
@@ -95,44 +125,29 @@ class CompiledArms:
 
 
 @compiled
-def step_arms(
-    arm_state,
-    muscle_state,
-    acceleration,
-    excitation,
-    steps,
-    time_step,
-    muscles,
-    paths,
-    kinds,
-    dynamics,
-    mass_coefficient,
-    gravity_coefficient,
-    stops,
-    muscle_work,
-    dynamics_work,
-):
-    """Advances arms in place by a number of time steps with their excitations held, and writes their accelerations.
+def step_arms(state, excitation, steps, time_step, tables, work):
+    """Advances arms in place by a number of time steps with their excitations (blocks, n, lanes) held.
 
-    Arrays are (blocks, size, lanes). Sizes: arm_state 2 n_q, q and v; muscle_state 4 n, see `muscle_step`; acceleration
-    n_q; excitation n; the coefficients, of the terms of `dynamics` for each arm. stops: lower and upper
-    limits (n_q,), stiffness and damping.
+    state: an `ArmLanes`. tables: an `ArmTables`. work: a `Work`. Times in s.
     """
-    blocks, n_q, lanes = acceleration.shape
-    lower, upper, stiffness, damping = stops
-    thelen, degroote, rigid = kinds
-    tau, later_x, later_a = np.empty((n_q, lanes)), np.empty((2 * n_q, lanes)), np.empty((n_q, lanes))
+    muscles, paths, kinds, dynamics, mass_coefficient, gravity_coefficient, lower, upper, stiffness, damping = tables
+    thelen2003, degroote2016, rigid = kinds
+    muscle_work, dynamics_work, tau, later_x, later_a = work
+    blocks, n_q, lanes = state.acceleration.shape
     for block in range(blocks):
-        x, state, a, u = arm_state[block], muscle_state[block], acceleration[block], excitation[block]
+        x, a, u = state.arm_state[block], state.acceleration[block], excitation[block]
+        muscle_state = state.muscle_state[block]
         mass, gravity = mass_coefficient[block], gravity_coefficient[block]
-        for half in range(2 * steps + 1):  # every step needs two accelerations; the last one is returned
+        for half in range(2 * steps + 1):  # every step needs two accelerations; the last one remains in `state`
             starts = half % 2 == 0
             if starts and half < 2 * steps:
-                step_muscle_lanes(state, tau, u, x, time_step, muscles, paths, thelen, degroote, rigid, muscle_work)
+                step_muscle_lanes(
+                    muscle_state, tau, u, x, time_step, muscles, paths, thelen2003, degroote2016, rigid, muscle_work
+                )
                 for j in range(n_q):
                     for k in range(lanes):
-                        q = x[j, k] + 0.5 * time_step * x[n_q + j, k]
-                        tau[j, k] += one_stop_torque(q, x[n_q + j, k], lower[j], upper[j], stiffness, damping)
+                        q = fma(0.5 * time_step, x[n_q + j, k], x[j, k])
+                        tau[j, k] += joint_stop_torque(q, x[n_q + j, k], lower[j], upper[j], stiffness, damping)
             at, acceleration_at = (x, a) if starts else (later_x, later_a)
             for j in range(n_q):
                 for k in range(lanes):
@@ -144,8 +159,8 @@ def step_arms(
                 for k in range(lanes):
                     v = x[n_q + j, k]
                     if starts:
-                        later_x[j, k] = x[j, k] + time_step * v
-                        later_x[n_q + j, k] = v + time_step * a[j, k]
+                        later_x[j, k] = fma(time_step, v, x[j, k])
+                        later_x[n_q + j, k] = fma(time_step, a[j, k], v)
                     else:
-                        x[j, k] += 0.5 * time_step * (v + later_x[n_q + j, k])
-                        x[n_q + j, k] = v + 0.5 * time_step * (a[j, k] + later_a[j, k])
+                        x[j, k] = fma(0.5 * time_step, v + later_x[n_q + j, k], x[j, k])
+                        x[n_q + j, k] = fma(0.5 * time_step, a[j, k] + later_a[j, k], v)

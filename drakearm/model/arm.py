@@ -10,8 +10,8 @@ from pydantic.dataclasses import dataclass
 from scipy.interpolate import BSpline
 
 from drakearm.model.paths import make_path_table
-from drakearm.muscle import degroote2016, thelen2003
-from drakearm.muscle.parameters import MODEL_CODES, MUSCLE_DTYPE
+from drakearm.muscle.models import MODEL_CODES, MODELS
+from drakearm.muscle.parameters import MUSCLE_DTYPE
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -76,8 +76,15 @@ class Muscle:
     eccentric_force: Annotated[float, Field(gt=1, allow_inf_nan=False)]  # over isometric force
     specific_tension: Positive  # Pa, gives the muscle's mass
     slow_twitch_fraction: Annotated[float, Field(ge=0, le=1)]  # of the fibers, for the metabolic power
-    model: Literal["thelen2003", "degroote2016"] = "thelen2003"
+    model: str = "thelen2003"  # one of `drakearm.muscle.models.MODELS`
     tendon: Literal["compliant", "rigid"] = "compliant"
+
+    @field_validator("model")
+    @classmethod
+    def _known(cls, model: str) -> str:
+        if model not in MODELS:
+            raise ValueError(f"expected one of {', '.join(MODELS)}")
+        return model
 
     @property
     def model_code(self) -> int:
@@ -104,16 +111,6 @@ class Muscle:
         return self.fiber_width / np.sin(_STEEPEST)
 
     @property
-    def toe_strain(self) -> float:
-        """Tendon strain where the exponential toe region ends."""
-        return thelen2003.toe_strain(self.tendon_strain)
-
-    @property
-    def tendon_stiffness(self) -> float:
-        """Slope of the tendon curve beyond the toe region: forces of max_isometric_force per strain."""
-        return thelen2003.tendon_stiffness(self.tendon_strain)
-
-    @property
     def passive_offset(self) -> float:
         """What the passive force's exponential starts from."""
         return self._passive_constants[0]
@@ -125,8 +122,7 @@ class Muscle:
 
     @property
     def _passive_constants(self) -> tuple[float, float]:
-        model = thelen2003 if self.model == "thelen2003" else degroote2016
-        return model.passive_constants(self.passive_strain, self.passive_shape)
+        return MODELS[self.model].passive_constants(self.passive_strain, self.passive_shape)
 
 
 @dataclass(frozen=True, config=_STRICT)

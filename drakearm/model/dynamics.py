@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drakearm.model.dynamics_table import DynamicsTable
-from drakearm.muscle.compiled import compiled, inner
+from drakearm.muscle.compiled import compiled, fma, inner
 from drakearm.muscle.elementary import sincos
 
 
@@ -87,7 +87,7 @@ def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coe
 def _add_product(total, row, factor, x, i, y, j):
     """Adds factor * x[i] * y[j] to a row."""
     for k in range(total.shape[1]):
-        total[row, k] += factor * x[i, k] * y[j, k]
+        total[row, k] = fma(factor * x[i, k], y[j, k], total[row, k])
 
 
 @inner

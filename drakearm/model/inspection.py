@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from drakearm.model.arm import Arm, Muscle
 from drakearm.model.musculature import muscle_geometry
 from drakearm.model.skeleton import add_skeleton
-from drakearm.muscle import curves
+from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length
 
 RESTING_ACTIVATION = 0.05  # at which the working ranges are taken
@@ -200,16 +200,16 @@ def _curves(m: np.void) -> Curves:
     fiber_length = np.linspace(0.0, 1.8, _CURVE_SAMPLES)
     velocity = np.linspace(-1.0, 1.0, _CURVE_SAMPLES)
     strain = np.linspace(0.0, 1.25 * m["tendon_strain"], _CURVE_SAMPLES)
-    slowing = curves.velocity_scale(RESTING_ACTIVATION, m)[0]
+    slowing = models.velocity_scale(RESTING_ACTIVATION, m)[0]
     return Curves(
         fiber_length=fiber_length,
-        active=np.array([curves.active_force_length(x, m)[0] for x in fiber_length]),
-        passive=np.array([curves.passive_force_length(x, m)[0] for x in fiber_length]),
+        active=np.array([models.active_force_length(x, m)[0] for x in fiber_length]),
+        passive=np.array([models.passive_force_length(x, m)[0] for x in fiber_length]),
         velocity=velocity * m["max_contraction_velocity"],
-        force=np.array([curves.force_of_velocity(x, m)[0] for x in velocity]),
-        resting_force=np.array([curves.force_of_velocity(x / slowing, m)[0] for x in velocity]),
+        force=np.array([models.force_of_velocity(x, m)[0] for x in velocity]),
+        resting_force=np.array([models.force_of_velocity(x / slowing, m)[0] for x in velocity]),
         strain=strain,
-        tendon=np.array([curves.tendon_force_strain(x, m)[0] for x in strain]),
+        tendon=np.array([models.tendon_force_strain(x, m)[0] for x in strain]),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from drakearm.model.paths import PathPieces, count_terms, evaluate_path_lanes, make_path_pieces
 from drakearm.muscle.activation import activation_step
-from drakearm.muscle.compiled import inlined, inner
+from drakearm.muscle.compiled import fma, inlined, inner
 from drakearm.muscle.contraction import (
     bdf2_base,
     fiber_steps,
@@ -18,22 +18,23 @@ from drakearm.muscle.contraction import (
     shortest_fiber,
     tendon_force,
 )
-from drakearm.muscle.parameters import DEGROOTE2016, THELEN2003, muscle_parameters
+from drakearm.muscle.models import DEGROOTE2016, MODEL_CODES, MODELS, THELEN2003, names_every_model
+from drakearm.muscle.parameters import muscle_parameters
 
 
 class MuscleKinds(NamedTuple):
-    """Which muscles are of which kind: their indices, or None, for which nothing is compiled."""
+    """The indices of the muscles of each kind. None where there are none: nothing is compiled for that kind then."""
 
-    thelen: np.ndarray | None
-    degroote: np.ndarray | None
-    rigid: np.ndarray | None  # on rigid tendons, with curves of either model
+    thelen2003: np.ndarray | None  # of this model, on compliant tendons
+    degroote2016: np.ndarray | None
+    rigid: np.ndarray | None  # on rigid tendons, of any model
 
 
 def muscle_kinds(muscles: np.ndarray) -> MuscleKinds:
     """The kinds of the muscles of a `muscle_table`."""
     rigid, code = muscles["rigid_tendon"], muscles["model_code"]
-    masks = (~rigid & (code == THELEN2003), ~rigid & (code == DEGROOTE2016), rigid)
-    return MuscleKinds(*(np.flatnonzero(mask) if mask.any() else None for mask in masks))
+    masks = {"rigid": rigid} | {name: ~rigid & (code == MODEL_CODES[name]) for name in MODELS}
+    return MuscleKinds(**{kind: np.flatnonzero(mask) if mask.any() else None for kind, mask in masks.items()})
 
 
 class MuscleLanes(NamedTuple):
@@ -80,7 +81,7 @@ def _step_compliant(state, excitation, i, n, time_step, work, m):
     for k in range(len(fiber)):
         force[i, k] = tendon_force(state[n + i, k], length[i, k], m)[0]
         state[i, k] = activation_step(state[i, k], excitation[i, k], time_step, m)
-        fiber[k] = max(state[2 * n + i, k] + 2.0 * time_step * state[3 * n + i, k], shortest_fiber(m))
+        fiber[k] = max(fma(2.0 * time_step, state[3 * n + i, k], state[2 * n + i, k]), shortest_fiber(m))
     fiber_steps(fiber, state, i, n, later_length, time_step, m)
     for k in range(len(fiber)):
         later_force[i, k] = tendon_force(fiber[k], later_length[i, k], m)[0]
@@ -103,24 +104,28 @@ def _step_rigid(state, excitation, i, n, time_step, work, m):
         state[n + i, k], state[3 * n + i, k], _ = rigid_fiber(later_length[i, k], later_speed[i, k], m)
 
 
+@names_every_model
 @inner
-def step_muscle_lanes(state, tau, excitation, arm_state, time_step, muscles, paths, thelen, degroote, rigid, work):
-    """`muscle_step` for arms side by side: every array has a second index, the lane, and `work` is for so many.
+def step_muscle_lanes(
+    state, tau, excitation, arm_state, time_step, muscles, paths, thelen2003, degroote2016, rigid, work
+):
+    """`muscle_step` for arms side by side: every array has a second index, the lane.
 
-    thelen, degroote, rigid: see `MuscleKinds`.
+    thelen2003, degroote2016, rigid: the fields of `MuscleKinds`, one by one, because Numba leaves out the code of an
+    argument that is None, but not that of a field. work: for this number of lanes.
     """
     n, (n_q, lanes) = len(muscles), tau.shape
     for j in range(n_q):
         for k in range(lanes):
-            work.later_q[j, k] = arm_state[j, k] + time_step * arm_state[n_q + j, k]
+            work.later_q[j, k] = fma(time_step, arm_state[n_q + j, k], arm_state[j, k])
     evaluate_path_lanes(arm_state, paths, work.pieces, work.length, work.slope)
     evaluate_path_lanes(work.later_q, paths, work.later_pieces, work.later_length, work.later_slope)
-    if thelen is not None:
-        for i in thelen:
+    if thelen2003 is not None:
+        for i in thelen2003:
             m = muscle_parameters(muscles[i], THELEN2003)
             _step_compliant(state, excitation, i, n, time_step, work, m)
-    if degroote is not None:
-        for i in degroote:
+    if degroote2016 is not None:
+        for i in degroote2016:
             m = muscle_parameters(muscles[i], DEGROOTE2016)
             _step_compliant(state, excitation, i, n, time_step, work, m)
     if rigid is not None:
@@ -135,7 +140,8 @@ def step_muscle_lanes(state, tau, excitation, arm_state, time_step, muscles, pat
     while header < len(paths):
         i, j = int(paths[header, 0]), int(paths[header, 1])
         for k in range(lanes):
-            tau[j, k] -= 0.5 * (slope[term, k] * force[i, k] + later_slope[term, k] * later_force[i, k])
+            twice = fma(slope[term, k], force[i, k], later_slope[term, k] * later_force[i, k])
+            tau[j, k] = fma(-0.5, twice, tau[j, k])
         header += 1 + int(paths[header, 2])
         term += 1
 

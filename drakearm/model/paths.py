@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import BSpline
 
-from drakearm.muscle.compiled import inlined, inner
+from drakearm.muscle.compiled import fma, inlined, inner
 
 _LEAST_ORDER = 4  # coefficients of a piece: room for those of a cubic spline, and for the four numbers of a header
 
@@ -124,8 +124,9 @@ def evaluate_path_lanes(q, paths, pieces, length, slope):
                 x = min(max(q[j, k], lowest), highest)
                 t = x - knot[group, k]
                 c1, c2, c3 = c[1, term, k], c[2, term, k], c[3, term, k]
-                rate = c1 + t * (2.0 * c2 + 3.0 * t * c3)
-                length[i, k] += c[0, term, k] + t * (c1 + t * (c2 + t * c3)) + rate * (q[j, k] - x)
+                rate = fma(t, fma(3.0 * t, c3, 2.0 * c2), c1)
+                value = fma(t, fma(t, fma(t, c3, c2), c1), c[0, term, k])
+                length[i, k] += fma(rate, q[j, k] - x, value)
                 slope[term, k] = rate
         else:
             for k in range(lanes):
@@ -133,9 +134,9 @@ def evaluate_path_lanes(q, paths, pieces, length, slope):
                 t = x - knot[group, k]
                 value = rate = 0.0
                 for o in range(order - 1, -1, -1):
-                    rate = rate * t + value
-                    value = value * t + c[o, term, k]
-                length[i, k] += value + rate * (q[j, k] - x)
+                    rate = fma(rate, t, value)
+                    value = fma(value, t, c[o, term, k])
+                length[i, k] += fma(rate, q[j, k] - x, value)
                 slope[term, k] = rate
         header = last + 1
         term += 1

@@ -66,41 +66,69 @@ def steady_force(activation, mtu_length, mtu_speed, guess, m):
 
 
 @inner
-def _smallest_controls(gain, wanted, lower):
-    """The x (n,) in [lower, 1] with least |x|^2 + RESERVE_WEIGHT |wanted - x gain|^2; gain (n, n_q), wanted (n_q,).
+def _smallest_controls(gain, desired, lower, x):
+    """Writes the x (n,) in [lower, 1] with the least |x|^2 + RESERVE_WEIGHT |desired - x gain|^2.
 
-    Newton's method on the dual problem, in which only n_q numbers p are unknown: x = clip(gain p, lower, 1), and p is
-    RESERVE_WEIGHT times the reserve. The dual cost is convex with a piecewise linear gradient, so steps that are halved
-    until they do not overshoot converge from anywhere.
+    gain: (n, n_q). desired: (n_q,). Newton's method on the dual problem, in which only n_q numbers p are unknown: x =
+    clip(gain p, lower, 1), and p is RESERVE_WEIGHT times the reserve. The dual cost is convex with a piecewise linear
+    gradient. Steps are halved until they do not overshoot, so the method converges from every start.
+
+    The products are loops and not calls of BLAS, whose last bits depend on where arrays lie in memory.
     """
     n, n_q = gain.shape
-    p = np.zeros(n_q)
-    x, gradient = _dual_gradient(p, gain, wanted, lower)
+    p, later_p = np.zeros(n_q), np.zeros(n_q)
+    gradient, move, hessian = np.empty(n_q), np.empty(n_q), np.empty((n_q, n_q))
+    _dual_gradient(p, gain, desired, lower, x, gradient)
     for _ in range(_DUAL_STEPS):
-        if np.abs(gradient).max() < _DUAL_TOLERANCE:
+        largest = 0.0
+        for j in range(n_q):
+            largest = max(largest, abs(gradient[j]))
+        if largest < _DUAL_TOLERANCE:
             break
-        hessian = np.eye(n_q) / RESERVE_WEIGHT
+        for j in range(n_q):
+            move[j] = -gradient[j]
+            for k in range(n_q):
+                hessian[j, k] = 1.0 / RESERVE_WEIGHT if j == k else 0.0
         for i in range(n):
             if lower[i] < x[i] < 1.0:
                 for j in range(n_q):
                     for k in range(n_q):
                         hessian[j, k] += gain[i, j] * gain[i, k]
-        move = solve(hessian, -gradient)
-        decline = -(gradient @ move)
-        x, gradient = _dual_gradient(p + move, gain, wanted, lower)
-        while gradient @ move > 0.1 * decline:
-            move *= 0.5
+        solve(hessian, move)
+        decline = -_dot(gradient, move)
+        while True:
+            for j in range(n_q):
+                later_p[j] = p[j] + move[j]
+            _dual_gradient(later_p, gain, desired, lower, x, gradient)
+            if not _dot(gradient, move) > 0.1 * decline:
+                break
             decline *= 0.5
-            x, gradient = _dual_gradient(p + move, gain, wanted, lower)
-        p = p + move
-    return x
+            for j in range(n_q):
+                move[j] *= 0.5
+        p[:] = later_p
 
 
 @inner
-def _dual_gradient(p, gain, wanted, lower):
-    """The x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost."""
-    x = np.minimum(np.maximum(gain @ p, lower), 1.0)
-    return x, x @ gain + p / RESERVE_WEIGHT - wanted
+def _dual_gradient(p, gain, desired, lower, x, gradient):
+    """Writes the x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost."""
+    n, n_q = gain.shape
+    for j in range(n_q):
+        gradient[j] = p[j] / RESERVE_WEIGHT - desired[j]
+    for i in range(n):
+        total = 0.0
+        for j in range(n_q):
+            total += gain[i, j] * p[j]
+        x[i] = min(max(total, lower[i]), 1.0)
+        for j in range(n_q):
+            gradient[j] += x[i] * gain[i, j]
+
+
+@inner
+def _dot(x, y):
+    total = 0.0
+    for j in range(len(x)):
+        total += x[j] * y[j]
+    return total
 
 
 @compiled
@@ -119,20 +147,29 @@ def static_activations(q, v, tau, guess, muscles, paths):
         lower[i] = muscles[i].minimum_activation
         fiber[i] = slack_fiber_length(length[i] - _GUESSED_STRAIN * muscles[i].tendon_slack_length, muscles[i])
     a = np.minimum(np.maximum(guess, lower), 1.0)
+    later = np.empty(n)
     gain = np.empty((n, n_q))
-    reserve = np.empty(n_q)
+    desired, reserve = np.empty(n_q), np.empty(n_q)
     for _ in range(_ROUNDS):
         reserve[:] = tau
+        desired[:] = 0.0
         for i in range(n):
             speed = mtu_velocity(i, moment_arm, v)
             force, slope, fiber[i] = steady_force(a[i], length[i], speed, fiber[i], muscles[i])
             for j in range(n_q):
                 reserve[j] -= moment_arm[i, j] * force
                 gain[i, j] = moment_arm[i, j] * slope
-        move = _smallest_controls(gain, reserve + a @ gain, lower) - a
-        a += move
-        reserve -= move @ gain
-        if np.abs(move).max() < _SETTLED:
+                desired[j] += a[i] * gain[i, j]
+        desired += reserve
+        _smallest_controls(gain, desired, lower, later)
+        largest = 0.0
+        for i in range(n):
+            move = later[i] - a[i]
+            largest = max(largest, abs(move))
+            for j in range(n_q):
+                reserve[j] -= move * gain[i, j]
+            a[i] = later[i]
+        if largest < _SETTLED:
             break
     return a, reserve
 

@@ -1,6 +1,6 @@
 """Activation dynamics: how the activation of a muscle follows its excitation."""
 
-from drakearm.muscle.compiled import inlined
+from drakearm.muscle.compiled import fma, inlined
 
 
 @inlined
@@ -13,9 +13,10 @@ def activation_rate(activation, excitation, m):
     """
     u = min(max(excitation, m.minimum_activation), 1.0)
     free = 1.0 if u == excitation else 0.0
-    speed = 0.5 + 1.5 * activation
+    speed = fma(1.5, activation, 0.5)
     rises = u > activation
-    rate = 1.0 / (m.activation_time * speed) if rises else speed / m.deactivation_time
+    per_deactivation_time = 1.0 / m.deactivation_time  # the same in all lanes, so a loop divides only once
+    rate = 1.0 / (m.activation_time * speed) if rises else speed * per_deactivation_time
     bend = (-1.5 if rises else 1.5) * (u - activation) * rate / speed
     return (u - activation) * rate, bend - rate, rate * free
 
@@ -24,6 +25,6 @@ def activation_rate(activation, excitation, m):
 def activation_step(activation, excitation, time_step, m):
     """Activation after a time step with the excitation held: explicit midpoint rule, second order."""
     rate, _, _ = activation_rate(activation, excitation, m)
-    middle = activation + 0.5 * time_step * rate
+    middle = fma(0.5 * time_step, rate, activation)
     rate, _, _ = activation_rate(middle, excitation, m)
-    return min(max(activation + time_step * rate, m.minimum_activation), 1.0)
+    return min(max(fma(time_step, rate, activation), m.minimum_activation), 1.0)

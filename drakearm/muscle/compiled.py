@@ -1,4 +1,8 @@
-"""The decorator of all compiled functions: Numba, with a cache that knows when any of drakearm's sources changed."""
+"""The decorators of all compiled functions: Numba, with a cache that notices when any of drakearm's sources changed.
+
+`compiled` is for functions that Python calls, `inner` for those that only compiled functions call, and `inlined` for
+those that are called in loops over lanes (see `drakearm.model.muscle_lanes`).
+"""
 
 import functools
 import hashlib
@@ -9,13 +13,15 @@ from typing import Any
 
 import llvmlite.binding
 import numba
-from numba.core import config
+from numba.core import config, types
+from numba.extending import intrinsic
 
 
 def _cache_folder() -> Path:
-    """One folder for every state of the sources.
+    """The cache folder of the present state of the sources.
 
-    Numba's own cache looks at the file of a function only, so it keeps functions whose callees in other files changed.
+    Numba's own cache looks only at the file of a function, so it would keep functions whose callees in other files
+    have changed.
     """
     user = config.CACHE_DIR  # type: ignore[attr-defined]
     base = user or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "drakearm"
@@ -25,32 +31,29 @@ def _cache_folder() -> Path:
     return Path(base) / state.hexdigest()[:16]
 
 
-def _use_whole_vectors() -> None:
-    """Lets Numba use vectors of 512 bits where the processor has them: LLVM avoids them, but here they save a quarter.
+def _set_numba_options() -> None:
+    """Changes two of Numba's options for the whole process: everything that it compiles from now on.
 
-    Whoever sets NUMBA_CPU_FEATURES decides otherwise; code that Numba compiled before drakearm was imported stays.
+    Vectors of 512 bits where the processor has them: LLVM avoids them, but here they save a quarter of the time. And
+    loops that are not unrolled: those over lanes are a few vectors long, and so they compile and run a tenth faster.
+    Set the environment variable DRAKEARM_KEEP_NUMBA_OPTIONS to any text to leave both as they are. NUMBA_CPU_FEATURES,
+    where it is set, decides about the vectors.
     """
-    features = config.CPU_FEATURES  # type: ignore[attr-defined]
+    if os.environ.get("DRAKEARM_KEEP_NUMBA_OPTIONS"):
+        return
     host = llvmlite.binding.get_host_cpu_features()
-    if features is None and host.get("avx512f"):
+    if config.CPU_FEATURES is None and host.get("avx512f"):  # type: ignore[attr-defined]
         config.CPU_FEATURES = host.flatten() + ",-prefer-256-bit"  # type: ignore[attr-defined]
-
-
-def _leave_loops_short() -> None:
-    """Keeps LLVM from unrolling loops over lanes: those are a few vectors long, and so compile and run a tenth faster.
-
-    Like the processor's features this holds for all that Numba compiles in this process from now on.
-    """
     llvmlite.binding.set_option("", "-force-vector-interleave=1")
 
 
-_use_whole_vectors()
-_leave_loops_short()
+_set_numba_options()
 _FOLDER = str(_cache_folder())
 
-
-# Freedoms that leave NaN and infinity alone: to fuse a product with a sum, to multiply by the inverse of a divisor.
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "arcp"}, "no_cfunc_wrapper": True}
+# No "fastmath": the compiler may then not round in another order or fuse a product with a sum. So a function gives the
+# same bits on every processor, and also where two functions hold separately compiled copies of it, of which a process
+# uses the one that it happens to load first. Where fusing matters for speed, the code says `fma`.
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def compiled(function: Callable[..., Any], **options: Any) -> Any:
@@ -61,16 +64,16 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:
     try:
         dispatcher.enable_caching()
     except RuntimeError:
-        pass  # Numba finds no folder that it may write: every process compiles for itself
+        pass  # Numba finds no folder that it may write to: every process compiles for itself
     finally:
         config.CACHE_DIR = before  # type: ignore[attr-defined]
     return dispatcher
 
 
 class _Inner:
-    """A compiled function for other compiled functions, which spares the compiler the passage from Python.
+    """A compiled function for other compiled functions, without a Python wrapper, which halves compile time.
 
-    Called from Python it still works, by a passage that every process compiles when it is first needed.
+    It can be called from Python too: each process compiles a wrapper when it is first needed.
     """
 
     def __init__(self, function: Callable[..., Any], **options: Any):
@@ -80,19 +83,29 @@ class _Inner:
         functools.update_wrapper(self, function)
 
     def __call__(self, *arguments: Any) -> Any:
-        return self._passage(*arguments)
+        return self._wrapper(*arguments)
 
     @functools.cached_property
-    def _passage(self) -> Any:
+    def _wrapper(self) -> Any:
         dispatcher = self._dispatcher
         return numba.njit(lambda *arguments: dispatcher(*arguments))
 
 
 def inner(function: Callable[..., Any]) -> Any:
-    """Like `compiled`, for what other compiled functions call: it compiles in half the time."""
+    """Like `compiled`, for functions that only compiled functions call: compiles in half the time."""
     return _Inner(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
-    """Like `inner`, for what stands in a loop over lanes: without a call the loop can use vector instructions."""
+    """Like `inner`, for functions called in a loop over lanes: inlined there, so that the loop can use vectors."""
     return _Inner(function, forceinline=True)
+
+
+@intrinsic
+def fma(typing_context, x, y, z):
+    """x * y + z of doubles, rounded once: one instruction where the processor has it, and everywhere the same bits."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.fma(*arguments)
+
+    return types.float64(types.float64, types.float64, types.float64), generate

@@ -6,8 +6,8 @@ sqrt(l^2 - width^2). Fibers below their minimum length count as that long, as in
 
 import math
 
-from drakearm.muscle.compiled import inlined, inner
-from drakearm.muscle.curves import (
+from drakearm.muscle.compiled import fma, inlined, inner
+from drakearm.muscle.models import (
     active_force_length,
     force_of_velocity,
     passive_force_length,
@@ -16,6 +16,7 @@ from drakearm.muscle.curves import (
     velocity_scale,
 )
 
+_THIRD = 1.0 / 3.0
 SHORTEST = 0.01  # of the optimal fiber length: floor for unpennated fibers, which have no minimum of their own
 ITERATIONS = 100
 QUICK_ITERATIONS = 6
@@ -32,9 +33,10 @@ def shortest_fiber(m):
 def tendon_force(fiber_length, mtu_length, m):
     """Force (N) of a compliant tendon and its derivatives by fiber and musculotendon length (N/m)."""
     fiber_length = max(fiber_length, m.minimum_fiber_length)
-    along = math.sqrt(fiber_length**2 - m.fiber_width**2)
-    force, slope = tendon_force_strain((mtu_length - along) / m.tendon_slack_length - 1.0, m)
-    by_mtu = slope / m.tendon_slack_length * m.max_isometric_force
+    along = math.sqrt(fma(fiber_length, fiber_length, -m.fiber_width * m.fiber_width))
+    per_slack_length = 1.0 / m.tendon_slack_length  # the same in all lanes, so a loop divides only once
+    force, slope = tendon_force_strain(fma(mtu_length - along, per_slack_length, -1.0), m)
+    by_mtu = slope * per_slack_length * m.max_isometric_force
     return force * m.max_isometric_force, -by_mtu * fiber_length / along, by_mtu
 
 
@@ -85,24 +87,27 @@ def _velocity_fraction(activation, fiber_length, mtu_length, m):
     fiber_length = max(fiber_length, m.minimum_fiber_length)
     a = min(max(activation, m.minimum_activation), 1.0)
     free = 1.0 if a == activation else 0.0
-    along = math.sqrt(fiber_length**2 - m.fiber_width**2)
+    # The same in all lanes, so a loop divides only once.
+    per_optimal_length, per_slack_length = 1.0 / m.optimal_fiber_length, 1.0 / m.tendon_slack_length
+    along = math.sqrt(fma(fiber_length, fiber_length, -m.fiber_width * m.fiber_width))
     inverse_along = 1.0 / along
     secant = fiber_length * inverse_along
-    length = fiber_length / m.optimal_fiber_length
-    strain = (mtu_length - along) / m.tendon_slack_length - 1.0
+    length = fiber_length * per_optimal_length
+    strain = fma(mtu_length - along, per_slack_length, -1.0)
 
     tendon, tendon_slope = tendon_force_strain(strain, m)
     passive, passive_slope = passive_force_length(length, m)
     shape, shape_slope = active_force_length(length, m)
-    numerator, denominator, by_active, by_isometric = velocity_of_force(tendon * secant - passive, a * shape, m)
+    numerator, denominator, by_active, by_isometric = velocity_of_force(fma(tendon, secant, -passive), a * shape, m)
     scale, scale_slope = velocity_scale(a, m)
 
     held = at_minimum and numerator <= 0.0
     unit = (0.0 if held else m.max_contraction_velocity * m.optimal_fiber_length) * scale
-    by_strain = tendon_slope / m.tendon_slack_length
-    loss = by_strain * secant**2 + tendon * m.fiber_width**2 * inverse_along**3  # of tendon force along the fiber
-    by_length = by_active * (loss + passive_slope / m.optimal_fiber_length)
-    by_length += by_isometric * a * shape_slope / m.optimal_fiber_length
+    by_strain = tendon_slope * per_slack_length
+    # How much less tendon force acts along the fiber per meter of fiber length.
+    loss = fma(by_strain, secant * secant, tendon * (m.fiber_width * m.fiber_width) * inverse_along**3)
+    by_length = by_active * fma(passive_slope, per_optimal_length, loss)
+    by_length = fma(by_isometric, a * shape_slope * per_optimal_length, by_length)
     by_activation = free * (numerator * scale_slope / scale - by_isometric * shape)
     return unit, numerator, denominator, by_activation, by_length, by_active * by_strain * secant
 
@@ -134,8 +139,8 @@ def newton_move(x, weight, base, activation, mtu_length, m):
     The residual comes multiplied by the denominator of the velocity, which spares a division.
     """
     unit, numerator, denominator, _, by_length, _ = _velocity_fraction(activation, x, mtu_length, m)
-    residual = unit * numerator - weight * (x - base) * denominator
-    return residual, residual / (weight * denominator + unit * by_length)
+    residual = fma(unit, numerator, -weight * (x - base) * denominator)
+    return residual, residual / fma(weight, denominator, unit * by_length)
 
 
 @inner
@@ -217,4 +222,4 @@ def fiber_steps(later, state, i, n, mtu_length, time_step, m):
 @inlined
 def bdf2_base(fiber_length, previous_fiber_length):
     """The fiber length from which BDF2 makes a step of Euler's implicit rule, two thirds of the time step long."""
-    return (4.0 * fiber_length - previous_fiber_length) / 3.0
+    return fma(4.0, fiber_length, -previous_fiber_length) * _THIRD

@@ -4,7 +4,7 @@ Dimensionless like those of `thelen2003`. Source: De Groote, Kinney, Rao, Fregly
 optimal control problem formulations for solving the muscle redundancy problem", Annals of Biomedical Engineering
 44:2922-2936, 2016, with the constants that OpenSim's DeGrooteFregly2016Muscle adjusts so that the curves pass through
 their key points. The tendon curve is slightly negative for a slack tendon, as published; so a slack tendon pushes with
-up to 0.2 forces.
+up to 0.2 times max_isometric_force.
 """
 
 import math
@@ -77,3 +77,9 @@ def force_of_velocity(velocity, m):
     """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force` between its tangents."""
     z = _D2 * velocity + _D3
     return _D1 * math.asinh(z) + _D4, _D1 * _D2 / math.sqrt(z * z + 1.0)
+
+
+@inlined
+def velocity_scale(activation, m):
+    """Factor of the velocity at an activation, and its slope: none in this model."""
+    return 1.0, 0.0

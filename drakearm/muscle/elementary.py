@@ -6,7 +6,7 @@ minimax one, of relative error below 2e-17 there.
 
 import numpy as np
 
-from drakearm.muscle.compiled import inlined
+from drakearm.muscle.compiled import fma, inlined
 
 LEAST_EXPONENT, GREATEST_EXPONENT = -708.0, 709.0  # of `exp`
 
@@ -51,31 +51,31 @@ def _bits(x):
 @inlined
 def exp(x):
     """Exponential function to 2 units in the last place, from LEAST_EXPONENT to GREATEST_EXPONENT only: clamp x."""
-    shifted = x * _LOG2_E + _ROUNDER
+    shifted = fma(x, _LOG2_E, _ROUNDER)
     n = shifted - _ROUNDER
-    r = (x - n * _LN2_HIGH) - n * _LN2_LOW
+    r = fma(n, -_LN2_LOW, fma(n, -_LN2_HIGH, x))
     z = r * r
     even, odd = _EXP_EVEN[0], _EXP_ODD[0]
     for c in _EXP_EVEN[1:]:
-        even = even * z + c
+        even = fma(even, z, c)
     for c in _EXP_ODD[1:]:
-        odd = odd * z + c
-    return (even + r * odd) * np.int64((_bits(shifted) << 52) + _ONE_BITS).view(np.float64)  # p(r) 2^n
+        odd = fma(odd, z, c)
+    return fma(r, odd, even) * np.int64((_bits(shifted) << 52) + _ONE_BITS).view(np.float64)  # p(r) 2^n
 
 
 @inlined
 def sincos(x):
     """Sine and cosine to 2e-16 for |x| up to 1e5."""
-    shifted = x * _TWO_OVER_PI + _ROUNDER
+    shifted = fma(x, _TWO_OVER_PI, _ROUNDER)
     n = shifted - _ROUNDER
-    r = ((x - n * _HALF_PI_HIGH) - n * _HALF_PI_MIDDLE) - n * _HALF_PI_LOW
+    r = fma(n, -_HALF_PI_LOW, fma(n, -_HALF_PI_MIDDLE, fma(n, -_HALF_PI_HIGH, x)))
     z = r * r
     s, c = _SIN[0], _COS[0]
     for coefficient in _SIN[1:]:
-        s = s * z + coefficient
+        s = fma(s, z, coefficient)
     for coefficient in _COS[1:]:
-        c = c * z + coefficient
-    s, c = r + r * z * s, 1.0 - 0.5 * z + z * z * c
+        c = fma(c, z, coefficient)
+    s, c = fma(r * z, s, r), fma(z * z, c, fma(-0.5, z, 1.0))
     quadrant = _bits(shifted)
     odd = (quadrant & 1) != 0
     sine, cosine = (c if odd else s), (s if odd else c)

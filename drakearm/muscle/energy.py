@@ -3,7 +3,7 @@
 import math
 
 from drakearm.muscle.compiled import inner
-from drakearm.muscle.curves import active_force_length, passive_force_length
+from drakearm.muscle.models import active_force_length, passive_force_length
 
 # W/kg; Bhargava, Pandy, Anderson, "A phenomenological model for estimating metabolic energy consumption in muscle
 # contraction", Journal of Biomechanics 37:81-88, 2004.

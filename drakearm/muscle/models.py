@@ -1,46 +1,77 @@
-"""The curves of a muscle, by its model: each function passes on to `thelen2003` or `degroote2016`.
+"""The muscle models: the table of them, and for each curve the function that calls the one of a muscle's model.
 
-Dimensionless: forces over max_isometric_force, fiber lengths over optimal_fiber_length, velocities over
-max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Each returns a value and its slope, but for
+Curves are dimensionless: forces over max_isometric_force, fiber lengths over optimal_fiber_length, velocities over
+max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Each curve returns a value and its slope, except
 `velocity_of_force`.
+
+A model is a module with these curves and `passive_constants`. To add one, write its module, name it here and in
+`drakearm.model.muscle_lanes`: importing either of the two fails until all their functions name every model.
 """
+
+import math
+from types import ModuleType
+from typing import Any
 
 from drakearm.muscle import degroote2016, thelen2003
 from drakearm.muscle.compiled import inlined
-from drakearm.muscle.parameters import THELEN2003
 
-_thelen_active, _degroote_active = thelen2003.active_force_length, degroote2016.active_force_length
-_thelen_passive, _degroote_passive = thelen2003.passive_force_length, degroote2016.passive_force_length
-_thelen_tendon, _degroote_tendon = thelen2003.tendon_force_strain, degroote2016.tendon_force_strain
-_thelen_velocity, _degroote_velocity = thelen2003.velocity_of_force, degroote2016.velocity_of_force
-_thelen_force, _degroote_force = thelen2003.force_of_velocity, degroote2016.force_of_velocity
-_thelen_scale = thelen2003.velocity_scale
+MODELS: dict[str, ModuleType] = {"thelen2003": thelen2003, "degroote2016": degroote2016}
+THELEN2003, DEGROOTE2016 = range(len(MODELS))
+MODEL_CODES = {name: code for code, name in enumerate(MODELS)}  # of the models, in records of muscles
+
+_thelen2003_active, _degroote2016_active = (model.active_force_length for model in MODELS.values())
+_thelen2003_passive, _degroote2016_passive = (model.passive_force_length for model in MODELS.values())
+_thelen2003_tendon, _degroote2016_tendon = (model.tendon_force_strain for model in MODELS.values())
+_thelen2003_velocity, _degroote2016_velocity = (model.velocity_of_force for model in MODELS.values())
+_thelen2003_force, _degroote2016_force = (model.force_of_velocity for model in MODELS.values())
+_thelen2003_scale, _degroote2016_scale = (model.velocity_scale for model in MODELS.values())
 
 
+def names_every_model(function: Any) -> Any:
+    """Returns a compiled function that chooses by model, after a check that its code names the codes of all models.
+
+    Raises TypeError where it does not.
+    """
+    missing = {name.upper() for name in MODELS} - set(function.py_func.__code__.co_names)
+    if missing:
+        raise TypeError(f"{function.py_func.__name__} must choose by muscle model, but lacks {', '.join(missing)}.")
+    return function
+
+
+@names_every_model
 @inlined
 def active_force_length(length, m):
     """Active isometric force at a fiber length."""
     if m.model_code == THELEN2003:
-        return _thelen_active(length, m)
-    return _degroote_active(length, m)
+        return _thelen2003_active(length, m)
+    if m.model_code == DEGROOTE2016:
+        return _degroote2016_active(length, m)
+    return math.nan, math.nan
 
 
+@names_every_model
 @inlined
 def passive_force_length(length, m):
     """Passive force at a fiber length."""
     if m.model_code == THELEN2003:
-        return _thelen_passive(length, m)
-    return _degroote_passive(length, m)
+        return _thelen2003_passive(length, m)
+    if m.model_code == DEGROOTE2016:
+        return _degroote2016_passive(length, m)
+    return math.nan, math.nan
 
 
+@names_every_model
 @inlined
 def tendon_force_strain(strain, m):
     """Tendon force at a tendon strain."""
     if m.model_code == THELEN2003:
-        return _thelen_tendon(strain, m)
-    return _degroote_tendon(strain, m)
+        return _thelen2003_tendon(strain, m)
+    if m.model_code == DEGROOTE2016:
+        return _degroote2016_tendon(strain, m)
+    return math.nan, math.nan
 
 
+@names_every_model
 @inlined
 def velocity_of_force(active, isometric, m):
     """Fiber velocity at full activation where `active` force meets `isometric` force, as a fraction.
@@ -48,21 +79,29 @@ def velocity_of_force(active, isometric, m):
     Numerator, denominator, and over the same denominator the slope by `active` and minus that by `isometric`.
     """
     if m.model_code == THELEN2003:
-        return _thelen_velocity(active, isometric, m)
-    return _degroote_velocity(active, isometric, m)
+        return _thelen2003_velocity(active, isometric, m)
+    if m.model_code == DEGROOTE2016:
+        return _degroote2016_velocity(active, isometric, m)
+    return math.nan, math.nan, math.nan, math.nan
 
 
+@names_every_model
 @inlined
 def force_of_velocity(velocity, m):
     """Active force over isometric force at a fiber velocity, at full activation: the inverse of `velocity_of_force`."""
     if m.model_code == THELEN2003:
-        return _thelen_force(velocity, m)
-    return _degroote_force(velocity, m)
+        return _thelen2003_force(velocity, m)
+    if m.model_code == DEGROOTE2016:
+        return _degroote2016_force(velocity, m)
+    return math.nan, math.nan
 
 
+@names_every_model
 @inlined
 def velocity_scale(activation, m):
     """Factor by which an activation changes the velocity of full activation."""
     if m.model_code == THELEN2003:
-        return _thelen_scale(activation)
-    return 1.0, 0.0
+        return _thelen2003_scale(activation, m)
+    if m.model_code == DEGROOTE2016:
+        return _degroote2016_scale(activation, m)
+    return math.nan, math.nan

@@ -1,4 +1,4 @@
-"""The numbers that describe muscles to the compiled functions: one record a muscle."""
+"""The numbers that describe muscles to the compiled functions: one record per muscle."""
 
 from typing import NamedTuple
 
@@ -6,14 +6,11 @@ import numpy as np
 
 from drakearm.muscle.compiled import inlined
 
-THELEN2003, DEGROOTE2016 = 0, 1
-MODEL_CODES = {"thelen2003": THELEN2003, "degroote2016": DEGROOTE2016}
-
 
 class MuscleParameters(NamedTuple):
     """Field by field what `drakearm.model.Muscle` holds, plus what follows from it. Units: m, N, s, rad, Pa, kg."""
 
-    model_code: int
+    model_code: int  # see `drakearm.muscle.models`
     rigid_tendon: bool
     max_isometric_force: float
     optimal_fiber_length: float
@@ -32,9 +29,7 @@ class MuscleParameters(NamedTuple):
     mass: float
     fiber_width: float  # optimal_fiber_length * sin(pennation_angle): constant
     minimum_fiber_length: float  # where pennation reaches acos(0.1)
-    toe_strain: float  # tendon strain where the exponential toe region ends
-    tendon_stiffness: float  # beyond the toe region, over max_isometric_force, per strain
-    passive_offset: float  # the passive force is passive_scale (exp(...) - passive_offset)
+    passive_offset: float  # the passive force is passive_scale (exp(...) - passive_offset), see `passive_constants`
     passive_scale: float
 
 
@@ -44,7 +39,7 @@ MUSCLE_DTYPE = np.dtype([(name, _NUMPY_TYPES[t]) for name, t in MuscleParameters
 
 @inlined
 def muscle_parameters(record, model_code):
-    """The numbers of a record as values. Unlike fields of a record, the compiler knows that loops do not change them.
+    """The numbers of a record as values: the compiler then knows that loops do not change them.
 
     model_code: that of the record, as a constant where the code that follows is to be compiled for this model alone.
     """
@@ -68,8 +63,6 @@ def muscle_parameters(record, model_code):
         record.mass,
         record.fiber_width,
         record.minimum_fiber_length,
-        record.toe_strain,
-        record.tendon_stiffness,
         record.passive_offset,
         record.passive_scale,
     )

@@ -3,29 +3,22 @@
 All are dimensionless: forces over max_isometric_force, fiber lengths over optimal_fiber_length, velocities over
 max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Equation numbers: Thelen, "Adjustment of muscle mechanics
 model parameters to simulate dynamic contractions in older adults", J. Biomech. Eng. 125:70-77, 2003.
-They clamp and choose instead of branching, so that many muscles can be evaluated at once.
+They clamp and select values instead of branching, so that one vector instruction can serve many muscles.
 """
 
 import math
 
-from drakearm.muscle.compiled import inlined
+from drakearm.muscle.compiled import fma, inlined
 from drakearm.muscle.elementary import GREATEST_EXPONENT, LEAST_EXPONENT, exp
 
 TOE_SHAPE = 3.0  # exponent of the tendon's toe region
 TOE_FORCE = 0.33  # tendon force where the toe region ends
 TOE_SCALE = TOE_FORCE / (math.exp(TOE_SHAPE) - 1.0)
+# The strain at which the toe region ends, over tendon_strain: the strain at max_isometric_force (eq. 5).
+TOE_RATIO = 99.0 * math.exp(TOE_SHAPE) / (166.0 * math.exp(TOE_SHAPE) - 67.0)
+TOE_RATE = TOE_SHAPE / TOE_RATIO
+LINEAR_SLOPE = (1.0 - TOE_FORCE) / (1.0 - TOE_RATIO)  # of the tendon curve beyond its toe region, times tendon_strain
 LINEAR_FROM = 0.95  # share of eccentric_force beyond which force-velocity continues along its tangent
-
-
-def toe_strain(tendon_strain: float) -> float:
-    """Strain where the toe region of a tendon ends that bears max_isometric_force at `tendon_strain` (eq. 5)."""
-    e3 = math.exp(TOE_SHAPE)
-    return 99.0 * tendon_strain * e3 / (166.0 * e3 - 67.0)
-
-
-def tendon_stiffness(tendon_strain: float) -> float:
-    """Slope of the tendon curve beyond its toe region (eq. 5)."""
-    return (1.0 - TOE_FORCE) / (tendon_strain - toe_strain(tendon_strain))
 
 
 def passive_constants(passive_strain: float, passive_shape: float) -> tuple[float, float]:
@@ -36,8 +29,9 @@ def passive_constants(passive_strain: float, passive_shape: float) -> tuple[floa
 @inlined
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length (eq. 4)."""
-    force = exp(max((1.0 - length) * (length - 1.0) / m.active_width, LEAST_EXPONENT))
-    return force, 2.0 / m.active_width * (1.0 - length) * force
+    per_width = 1.0 / m.active_width
+    force = exp(max((1.0 - length) * (length - 1.0) * per_width, LEAST_EXPONENT))
+    return force, 2.0 * per_width * (1.0 - length) * force
 
 
 @inlined
@@ -52,10 +46,12 @@ def passive_force_length(length, m):
 @inlined
 def tendon_force_strain(strain, m):
     """Tendon force and its slope at a strain (eq. 5): exponential toe, then linear; 0 when slack."""
-    growth = exp(TOE_SHAPE / m.toe_strain * min(max(strain, 0.0), m.toe_strain))
-    force = (growth - 1.0) * TOE_SCALE + m.tendon_stiffness * max(strain - m.toe_strain, 0.0)
-    slope = TOE_SHAPE / m.toe_strain * growth * TOE_SCALE
-    taut_slope = m.tendon_stiffness if strain > m.toe_strain else slope
+    toe_strain = TOE_RATIO * m.tendon_strain
+    toe_rate, stiffness = TOE_RATE / m.tendon_strain, LINEAR_SLOPE / m.tendon_strain
+    growth = exp(toe_rate * min(max(strain, 0.0), toe_strain))
+    force = fma(stiffness, max(strain - toe_strain, 0.0), (growth - 1.0) * TOE_SCALE)
+    slope = toe_rate * growth * TOE_SCALE
+    taut_slope = stiffness if strain > toe_strain else slope
     return force, taut_slope if strain > 0.0 else 0.0
 
 
@@ -64,19 +60,20 @@ def velocity_of_force(active, isometric, m):
     """Shortening (< 0) or lengthening velocity where `active` force meets `isometric` force > 0 (eq. 6).
 
     Returns numerator and denominator of the velocity, and over the same denominator its slope by the active force and
-    minus that by the isometric force: whoever goes on computing with them may need one division less. The velocity is
-    that of full activation; `velocity_scale` shrinks it with activation. Below 0 and beyond LINEAR_FROM *
+    minus its slope by the isometric force: as a fraction, because the caller then often needs one division less. The
+    velocity is that of full activation; `velocity_scale` shrinks it with activation. Below 0 and beyond LINEAR_FROM *
     eccentric_force * isometric it continues along the tangents, so that it exists for every force.
     """
     highest = m.eccentric_force
-    steepness = 1.0 + 1.0 / m.force_velocity_shape
+    per_shape = 1.0 / m.force_velocity_shape
+    steepness = 1.0 + per_shape
     scale = (highest - 1.0) / (2.0 * steepness)
     at = min(max(active, 0.0), LINEAR_FROM * highest * isometric)
     lengthens = at > isometric
-    root = (highest * isometric - at) if lengthens else (isometric + at / m.force_velocity_shape)
+    root = fma(highest, isometric, -at) if lengthens else fma(at, per_shape, isometric)
     slope = scale * (highest - 1.0) if lengthens else steepness
     excess = (scale if lengthens else 1.0) * (at - isometric) * root
-    return excess + slope * isometric * (active - at), root * root, slope * isometric, slope * active
+    return fma(slope * isometric, active - at, excess), root * root, slope * isometric, slope * active
 
 
 @inlined
@@ -95,6 +92,6 @@ def force_of_velocity(velocity, m):
 
 
 @inlined
-def velocity_scale(activation):
+def velocity_scale(activation, m):
     """Factor of the velocity at an activation, and its slope (eq. 6): a quarter at rest, 1 at full activation."""
     return 0.25 + 0.75 * activation, 0.75

@@ -45,7 +45,7 @@ def test_many_arms_of_mixed_muscles_as_one_by_one():
 
 def test_kinds_that_an_arm_lacks_are_none():
     kinds = muscle_kinds(ARM.muscle_table)
-    assert kinds.degroote is None and kinds.rigid is None
-    np.testing.assert_array_equal(kinds.thelen, np.arange(14))
+    assert kinds.degroote2016 is None and kinds.rigid is None
+    np.testing.assert_array_equal(kinds.thelen2003, np.arange(14))
     kinds = muscle_kinds(mixed_arm().muscle_table)
     assert sorted(np.concatenate(kinds)) == list(range(14))

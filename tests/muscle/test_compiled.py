@@ -9,7 +9,7 @@ import pytest
 SCRIPT = """
 from drakearm.muscle.compiled import compiled
 from drakearm.muscle.thelen2003 import velocity_scale
-print(velocity_scale(1.0))
+print(velocity_scale(1.0, None))
 """
 
 

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from drakearm.model import load_arm
 from drakearm.muscle.contraction import equilibrium_fiber_length, fiber_step, fiber_velocity, tendon_force
+from drakearm.muscle.thelen2003 import LINEAR_SLOPE, TOE_RATIO
 
 ARM = load_arm("arm14")
 muscles = st.integers(0, len(ARM.muscles) - 1)
@@ -25,7 +26,7 @@ def test_known_state_of_rest():
     """At full activation and optimal length the fiber carries F_max / cos(pennation) along the tendon."""
     for m in ARM.muscle_table:
         cosine = np.cos(np.arcsin(m["fiber_width"] / m["optimal_fiber_length"]))
-        strain = m["toe_strain"] + (cosine - 0.33) / m["tendon_stiffness"]  # a tendon force of F_max cos
+        strain = m["tendon_strain"] * (TOE_RATIO + (cosine - 0.33) / LINEAR_SLOPE)  # a tendon force of F_max cos
         mtu_length = m["tendon_slack_length"] * (1 + strain) + m["optimal_fiber_length"] * cosine
         assert fiber_velocity(1.0, m["optimal_fiber_length"], mtu_length, m)[0] == pytest.approx(0.0, abs=1e-9)
         assert equilibrium_fiber_length(1.0, mtu_length, m) == pytest.approx(m["optimal_fiber_length"], abs=1e-9)

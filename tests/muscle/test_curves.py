@@ -21,8 +21,8 @@ def test_known_values(m):
     assert curves.tendon_force_strain(-0.01, m) == (0.0, 0.0)
     assert velocity_of_ratio(1.0, m)[0] == 0.0
     assert velocity_of_ratio(0.0, m)[0] == pytest.approx(-1.0)  # the largest contraction velocity
-    assert curves.toe_strain(0.033) == pytest.approx(0.02008431275, abs=1e-11)
-    assert curves.tendon_stiffness(0.033) == pytest.approx(51.87490120, abs=1e-7)
+    assert curves.TOE_RATIO * 0.033 == pytest.approx(0.02008431275, abs=1e-11)
+    assert curves.LINEAR_SLOPE / 0.033 == pytest.approx(51.87490120, abs=1e-7)
 
 
 @pytest.mark.parametrize(

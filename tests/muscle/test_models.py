@@ -1,5 +1,6 @@
 """What every choice of model and tendon has in common, and the powers."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,14 +9,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drakearm.model import load_arm
-from drakearm.muscle import curves
+from drakearm.model.muscle_lanes import step_muscle_lanes
+from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length, fiber_velocity, rigid_tendon_force, tendon_force
 from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabolic_power
 
 from ..velocity_curve import velocity_of_ratio
 
 ARM = load_arm("arm14")
-MODELS = ("thelen2003", "degroote2016")
+MODELS = tuple(models.MODELS)
 
 
 def table(model, tendon="compliant"):
@@ -26,23 +28,23 @@ def table(model, tendon="compliant"):
 def test_key_points(model):
     """Isometric force at optimal length, tendon force at its strain, rest at the isometric force."""
     m = table(model)[0]
-    assert curves.active_force_length(1.0, m)[0] == pytest.approx(1.0)
-    assert curves.passive_force_length(1.6, m)[0] == pytest.approx(1.0)
-    assert curves.tendon_force_strain(0.033, m)[0] == pytest.approx(1.0)
-    assert curves.tendon_force_strain(0.0, m)[0] == pytest.approx(0.0)
+    assert models.active_force_length(1.0, m)[0] == pytest.approx(1.0)
+    assert models.passive_force_length(1.6, m)[0] == pytest.approx(1.0)
+    assert models.tendon_force_strain(0.033, m)[0] == pytest.approx(1.0)
+    assert models.tendon_force_strain(0.0, m)[0] == pytest.approx(0.0)
     assert velocity_of_ratio(1.0, m)[0] == pytest.approx(0.0, abs=1e-12)
     assert velocity_of_ratio(0.0, m)[0] == pytest.approx(-1.0)
 
 
 def test_degroote_reaches_its_published_largest_force():
-    assert curves.force_of_velocity(1.0, table("degroote2016")[0])[0] == pytest.approx(1.794, abs=1e-3)
+    assert models.force_of_velocity(1.0, table("degroote2016")[0])[0] == pytest.approx(1.794, abs=1e-3)
 
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("velocity", [-0.99, -0.5, -0.01, 0.01, 0.3, 0.9, 2.0])
 def test_force_and_velocity_curves_invert_each_other(model, velocity):
     m = table(model)[0]
-    force, slope = curves.force_of_velocity(velocity, m)
+    force, slope = models.force_of_velocity(velocity, m)
     back, back_slope = velocity_of_ratio(force, m)
     assert back == pytest.approx(velocity, abs=1e-9)
     assert slope * back_slope == pytest.approx(1.0, rel=1e-9)
@@ -53,10 +55,10 @@ def test_force_and_velocity_curves_invert_each_other(model, velocity):
 @pytest.mark.parametrize("isometric", [0.2, 0.8])
 def test_velocity_and_both_its_slopes(model, active, isometric):
     m = table(model)[0]
-    _, denominator, by_active, by_isometric = curves.velocity_of_force(active, isometric, m)
+    _, denominator, by_active, by_isometric = models.velocity_of_force(active, isometric, m)
 
     def velocity(force, capacity):
-        numerator, denominator, _, _ = curves.velocity_of_force(force, capacity, m)
+        numerator, denominator, _, _ = models.velocity_of_force(force, capacity, m)
         return numerator / denominator
 
     step = 1e-6
@@ -68,7 +70,7 @@ def test_velocity_and_both_its_slopes(model, active, isometric):
 
 @pytest.mark.parametrize(
     "curve",
-    [curves.active_force_length, curves.passive_force_length, curves.tendon_force_strain, velocity_of_ratio],
+    [models.active_force_length, models.passive_force_length, models.tendon_force_strain, velocity_of_ratio],
     ids=lambda curve: curve.__name__,
 )
 def test_degroote_curves_have_no_kinks(curve):
@@ -104,7 +106,7 @@ def test_equilibrium_is_where_fiber_and_tendon_pull_alike(model, tendon, i, a, s
         pull = rigid_tendon_force(a, mtu_length, 0.0, m)[0]
     cosine = np.sqrt(1 - (m["fiber_width"] / fiber) ** 2)
     normalized = fiber / m["optimal_fiber_length"]
-    isometric = a * curves.active_force_length(normalized, m)[0] + curves.passive_force_length(normalized, m)[0]
+    isometric = a * models.active_force_length(normalized, m)[0] + models.passive_force_length(normalized, m)[0]
     assert pull == pytest.approx(isometric * m["max_isometric_force"] * cosine, rel=1e-5, abs=1e-4)
 
 
@@ -127,3 +129,14 @@ def test_metabolic_power_by_hand():
     shortening = metabolic_power(1.0, 1.0, optimal, -0.1, 0.6 * force, 0.0, m)
     assert shortening == pytest.approx(rest + (0.16 + 0.18 * 0.6) * force * 0.1 + 0.6 * force * 0.1)
     assert metabolic_power(0.01, 0.0, optimal, 0.0, 0.0, 0.0, m) >= mass  # never below 1 W/kg
+
+
+def test_a_model_that_a_dispatch_does_not_name_is_refused(monkeypatch):
+    """Otherwise its muscles would silently get the curves of another model."""
+    monkeypatch.setitem(models.MODELS, "millard2012", models.MODELS["thelen2003"])
+    for function in (models.active_force_length, step_muscle_lanes):
+        with pytest.raises(TypeError, match="must choose by muscle model, but lacks MILLARD2012"):
+            models.names_every_model(function)
+    unknown = ARM.muscle_table[:1].copy()
+    unknown["model_code"] = len(MODELS)
+    assert math.isnan(models.tendon_force_strain(0.01, unknown[0])[0])

@@ -7,16 +7,15 @@ from hypothesis import strategies as st
 from pydrake.systems.framework import DiagramBuilder
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
-from drakearm.model.joint_stops import HARDENING, stop_torque
+from drakearm.model.joint_stops import HARDENING, STOP_DAMPING, STOP_STIFFNESS, stop_torque
 from drakearm.systems import JointStops
-from drakearm.systems.joint_stops import DAMPING, STIFFNESS
 
 LOWER, UPPER = np.array([-1.5, 0.0]), np.array([3.1, 2.3])
 angles, speeds = st.floats(-4.0, 5.0), st.floats(-30.0, 30.0)
 
 
 def torque(q, v):
-    return stop_torque(np.array(q), np.array(v), LOWER, UPPER, STIFFNESS, DAMPING)
+    return stop_torque(np.array(q), np.array(v), LOWER, UPPER, STOP_STIFFNESS, STOP_DAMPING)
 
 
 @settings(deadline=None)
@@ -39,7 +38,7 @@ def test_power_never_exceeds_that_of_the_spring(q0, q1, v0, v1):
     """What the spring releases is what it took, so a stop never adds energy."""
     q, v = np.array([q0, q1]), np.array([v0, v1])
     depth = np.maximum(q - UPPER, 0.0) - np.maximum(LOWER - q, 0.0)
-    spring = -STIFFNESS * depth * (1.0 + (depth / HARDENING) ** 2)
+    spring = -STOP_STIFFNESS * depth * (1.0 + (depth / HARDENING) ** 2)
     assert (torque(q, v) * v <= np.maximum(spring * v, 0.0) + 1e-9).all()
 
 
@@ -51,7 +50,7 @@ def test_output_port(outputs, time_step):
     if time_step:
         context.SetDiscreteState(stops.EvalUniquePeriodicDiscreteUpdate(context).value())
     tau = stops.GetOutputPort("generalized_force").Eval(context)
-    np.testing.assert_allclose(tau, [0.0, -STIFFNESS * 0.1 * (1.0 + (0.1 / HARDENING) ** 2)])
+    np.testing.assert_allclose(tau, [0.0, -STOP_STIFFNESS * 0.1 * (1.0 + (0.1 / HARDENING) ** 2)])
 
 
 def test_arm_that_falls_onto_its_stop_is_held(arm):

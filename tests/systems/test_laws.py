@@ -15,10 +15,9 @@ from drakearm.diagrams import AddMuscleArm, MakeSimulator, MakeTorqueArm
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.model import load_arm
 from drakearm.model.dynamics_table import read_dynamics
-from drakearm.model.joint_stops import HARDENING
+from drakearm.model.joint_stops import HARDENING, STOP_STIFFNESS
 from drakearm.model.musculature import resting_states, tendon_forces
-from drakearm.muscle.curves import passive_force_length, tendon_force_strain
-from drakearm.systems.joint_stops import STIFFNESS
+from drakearm.muscle.models import passive_force_length, tendon_force_strain
 
 ARM = load_arm("arm14")
 LOADS = (0.0, 1.0, 5.0, 20.0)
@@ -135,7 +134,7 @@ def test_energy_never_grows_with_passive_muscles():
         fiber, mtu = (muscles.GetOutputPort(name).Eval(muscle_context) for name in ("fiber_length", "mtu_length"))
         q = muscle_arm.plant.GetPositions(muscle_arm.plant.GetMyContextFromRoot(context))
         depth = np.maximum(q - UPPER, 0.0) + np.maximum(LOWER - q, 0.0)
-        stops = 0.5 * STIFFNESS * (depth**2 + 0.5 * depth**4 / HARDENING**2).sum()
+        stops = 0.5 * STOP_STIFFNESS * (depth**2 + 0.5 * depth**4 / HARDENING**2).sum()
         energy.append(skeleton_energy(muscle_arm, context) + elastic_energy(arm, fiber, mtu) + stops)
     # What the least activation can still deliver: a tenth of force times largest velocity is a muscle's largest power.
     power = 0.1 * 1e-3 * (arm.muscle_table["max_isometric_force"] * arm.muscle_table["optimal_fiber_length"] * 10).sum()
