@@ -5,8 +5,8 @@ import pytest
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import ArmError
+from drakearm.model import MakeTorqueArm
 from drakearm.model.dynamics import forward_dynamics, forward_dynamics_lanes, make_dynamics_lanes
 from drakearm.model.dynamics_table import read_dynamics, stack_dynamics
 
