@@ -8,7 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 
 
 class Kind:
-    """Base of such families. A class that derives from it directly begins a family:
+    """Base of all families. A class that derives directly from it begins a family, whose members derive from that class:
 
         class Shape(Kind):
             def area(self) -> float: ...
