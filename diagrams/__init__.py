@@ -4,7 +4,6 @@ from drakearm.diagrams.mpc_loop import MakeMpcLoop, MpcLoop
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm
 from drakearm.diagrams.policy_loop import MakePolicyLoop, PolicyLoop
 from drakearm.diagrams.static_loop import MakeStaticLoop
-from drakearm.diagrams.torque_arm import MakeTorqueArm
 from drakearm.diagrams.tracking_task import (
     AddTrackingTask,
     MakeTrackingTask,
@@ -19,7 +18,6 @@ __all__ = [
     "MakePolicyLoop",
     "MakeSimulator",
     "MakeStaticLoop",
-    "MakeTorqueArm",
     "MakeTrackingTask",
     "MpcLoop",
     "MuscleArm",

@@ -1,4 +1,4 @@
-"""The closed loop of model predictive control: the skeleton with motors, planned anew every few control steps."""
+"""Model predictive control in closed loop: an arm with motors follows a plan that is renewed every few steps."""
 
 from dataclasses import dataclass
 
@@ -9,17 +9,16 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, VectorLogSink
 from pydrake.trajectories import Trajectory
 
-from drakearm.diagrams.torque_arm import MakeTorqueArm
-from drakearm.model import Arm
+from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.systems.collocation_mpc import CollocationMpc, Planner
 
-_ACCURACY = 1e-6
+_ACCURACY = 1e-6  # of the integrator, relative
 
 
 @dataclass(frozen=True)
 class MpcLoop:
-    """A closed-loop Diagram, its systems and its logs, which sample the control steps."""
+    """A closed-loop Diagram, its systems and its logs, which have one sample per control step."""
 
     diagram: Diagram
     plant: MultibodyPlant
@@ -27,7 +26,7 @@ class MpcLoop:
     logs: dict[str, VectorLogSink]
 
     def Run(self, q: np.ndarray, duration: float) -> Reference:
-        """Simulates from rest at q (n_q,), rad, for a duration (s) and returns what happened.
+        """Simulates from rest at q (n_q,), rad, for a duration (s), and returns the arm's movement.
 
         Raises PlanningError where the controller finds no plan.
         """
@@ -50,10 +49,10 @@ class MpcLoop:
 
 
 def MakeMpcLoop(arm: Arm, planner: Planner, load_mass: float = 0.0, disturbance: Trajectory | None = None) -> MpcLoop:
-    """The torque-driven arm with `CollocationMpc` in charge.
+    """The torque-driven arm, controlled by `CollocationMpc`.
 
-    planner: see there. load_mass: kg, in the hand. disturbance: torques (n_q,), Nm, over time, that push the joints
-    and that the planner does not know of.
+    planner: see `CollocationMpc`. load_mass: kg, in the hand. disturbance: torques (n_q,), Nm, over time, that also act
+    on the joints; the planner does not know them.
     """
     builder = DiagramBuilder()
     plant = builder.AddNamedSystem("plant", MakeTorqueArm(arm, load_mass))

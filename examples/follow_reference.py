@@ -7,9 +7,8 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Adder, LogVectorOutput, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.diagrams import MakeTorqueArm
 from drakearm.experiments.scenario import load_scenario
-from drakearm.model import load_arm
+from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.planning import plan
 
 

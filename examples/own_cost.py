@@ -1,4 +1,4 @@
-"""Plans a movement with a cost of one's own, and prints what each cost contributes."""
+"""Plans a movement with a cost of your own, and prints what each cost contributes."""
 
 from dataclasses import replace
 
@@ -14,13 +14,13 @@ from drakearm.planning import CostPiece, Plan, plan
 class Power(CostPiece):
     """The mechanical power of the joints squared, integrated over time."""
 
-    type = "power"  # a scenario file may list {type: power, weight: 0.01} once this module is imported
+    type = "power"  # once this module is imported, a scenario file can list {type: power, weight: 0.01}
     weight: float  # 1/(W^2 s)
 
     def add(self, problem):
         n = len(problem.coordinates)
 
-        def squared(x, share):  # x: the speeds and torques of one knot; returns value (1,) and gradient (1, 2 n)
+        def squared(x, share):  # x: speeds and torques of a knot; returns value (1,) and gradient (1, 2 n)
             v, tau = x[:n], x[n:]
             power = v @ tau
             gradient = np.concatenate([tau, v])

@@ -6,14 +6,14 @@ from pydrake.trajectories import PiecewisePolynomial
 from drakearm.diagrams import MakeMpcLoop
 from drakearm.experiments.scenario import load_scenario
 from drakearm.model import load_arm
-from drakearm.planning import RecedingHorizon, Skeleton
+from drakearm.planning import PlanningModel, RecedingHorizon
 
 PUSH_AT = 0.35  # s
 
 
 def main() -> np.ndarray:
     arm, movement = load_arm("arm14"), load_scenario("timing-0.7s").movement
-    planner = RecedingHorizon(Skeleton(arm), movement, horizon=1.6)
+    planner = RecedingHorizon(PlanningModel(arm), movement, horizon=1.6)
     torques = np.array([[0.0, 0.0], [-2.0, 2.0], [0.0, 0.0], [0.0, 0.0]])  # Nm, on shoulder and elbow, for 50 ms
     push = PiecewisePolynomial.ZeroOrderHold([0.0, PUSH_AT, PUSH_AT + 0.05, 2.0], torques.T)
     pushed = MakeMpcLoop(arm, planner, disturbance=push).Run(movement.start, 1.2)

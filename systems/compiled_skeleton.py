@@ -1,4 +1,4 @@
-"""CompiledSkeleton: the skeleton's dynamics as a System that is quick to differentiate."""
+"""CompiledSkeleton: the skeleton's dynamics as a System that can be differentiated quickly."""
 
 import numpy as np
 from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, InitializeAutoDiff
@@ -13,7 +13,7 @@ from drakearm.model.dynamics_table import DynamicsTable
 @TemplateSystem.define("CompiledSkeleton_", T_list=[float, AutoDiffXd])
 def CompiledSkeleton_(T):
     class Impl(LeafSystem_[T]):
-        """A chain of revolute joints driven by torques: what a MultibodyPlant computes, derived from it, for planning.
+        """A chain of revolute joints driven by torques: the equations of a MultibodyPlant, compiled, for planning.
 
         .. pydrake_system::
 
@@ -26,13 +26,13 @@ def CompiledSkeleton_(T):
         ================= ====== =========== ====================
         port              size   unit        meaning
         ================= ====== =========== ====================
-        torque            n_q    Nm          what drives the joints
+        torque            n_q    Nm          torques on the joints
         arm_state         2 n_q  rad, rad/s  q and v
         ================= ====== =========== ====================
 
-        dynamics: the equations of motion, as `read_dynamics(plant)` finds them: without joint limits and damping. The
-        continuous state is q and v. In AutoDiffXd one compiled call gives the accelerations and their Jacobian, where
-        a plant carries derivatives through all of its arithmetic.
+        dynamics: the equations of motion that `read_dynamics(plant)` derives, without joint limits and damping. The
+        continuous state is q and v. In AutoDiffXd one compiled call gives the accelerations and their Jacobian. A plant
+        carries the derivatives through all of its arithmetic, which takes longer.
         """
 
         def _construct(self, dynamics: DynamicsTable, *, converter=None):

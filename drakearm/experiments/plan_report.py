@@ -7,10 +7,8 @@ import numpy as np
 
 from drakearm.experiments.scenario import Scenario
 from drakearm.model import Arm
-from drakearm.planning import Plan
+from drakearm.planning import Plan, PlanningModel
 from drakearm.planning.feasibility import Feasibility
-from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.transcription import angle_limits
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class PlanReport:
     @property
     def angle_limits(self) -> tuple[np.ndarray, np.ndarray]:
         """The lowest and highest joint angles (n_q,) that the movement may have, rad."""
-        return angle_limits(Skeleton(self.arm), self.scenario.movement)
+        return PlanningModel(self.arm).angle_limits(self.scenario.movement.angle_limit_deg)
 
     @property
     def content(self) -> dict[str, Any]:

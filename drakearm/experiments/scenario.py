@@ -4,17 +4,17 @@ import re
 from dataclasses import field, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import yaml
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError, field_validator
+from pydantic import ConfigDict, TypeAdapter, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 
 from drakearm.diagrams import TrackingTask
 from drakearm.errors import ScenarioError
 from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import load_arm
+from drakearm.model.fields import NonNegative
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 from drakearm.planning import Movement
@@ -22,8 +22,6 @@ from drakearm.systems import OBSERVATIONS, RewardWeights
 
 _SHIPPED = Path(__file__).parent / "scenarios"
 _STRICT = ConfigDict(extra="forbid")
-
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class Preset(StrEnum):
@@ -39,7 +37,7 @@ class Tracking:
 
     reward: RewardWeights
     observation: str = "full"  # see `Proprioception`
-    start_noise_deg: NotNegative = 0.0  # standard deviation of the joint angles at the start
+    start_noise_deg: NonNegative = 0.0  # standard deviation of the joint angles at the start
 
     @field_validator("observation")
     @classmethod
@@ -58,7 +56,7 @@ class Scenario:
     movement: Movement  # what is planned
     tracking: Tracking  # what is learned
     arm: str = "arm14"  # name of a shipped arm, or folder of a user's own, from the scenario file's folder
-    load_mass: NotNegative = 0.0  # kg, welded to the hand
+    load_mass: NonNegative = 0.0  # kg, welded to the hand
     obstacle: Obstacle | None = None  # what the plan goes around
     training: PpoSettings = field(default_factory=PpoSettings)
     preset: Preset = Preset.drakearm

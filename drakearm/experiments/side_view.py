@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from drakearm.diagrams import MakeTorqueArm
-from drakearm.model import Arm
+from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.obstacle import Obstacle
 
 Capsule2d = tuple[np.ndarray, np.ndarray, float]  # ends (2,) of a line and the radius of what surrounds it, m

@@ -9,10 +9,11 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.diagrams import MakeTorqueArm, TrackingTask
+from drakearm.diagrams import TrackingTask
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
 from drakearm.learning.compiled_arm import CompiledArms
+from drakearm.model import MakeTorqueArm
 from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.musculature import resting_states
 from drakearm.model.reference import CONTROL_STEP, sample_ranges

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drakearm.diagrams import MakeTorqueArm, TrackingTask
+from drakearm.diagrams import TrackingTask
+from drakearm.model import MakeTorqueArm
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.model.skeleton import inverse_dynamics
 from drakearm.model.static_optimization import excitations_to_reach, static_activations

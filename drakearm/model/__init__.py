@@ -2,5 +2,6 @@
 
 from drakearm.model.arm import Arm, Muscle, PathTerm
 from drakearm.model.loader import load_arm
+from drakearm.model.torque_arm import MakeTorqueArm
 
-__all__ = ["Arm", "Muscle", "PathTerm", "load_arm"]
+__all__ = ["Arm", "MakeTorqueArm", "Muscle", "PathTerm", "load_arm"]

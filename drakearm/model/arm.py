@@ -9,12 +9,11 @@ from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.dataclasses import dataclass
 from scipy.interpolate import BSpline
 
+from drakearm.model.fields import Finite, Positive
 from drakearm.model.paths import make_path_table
 from drakearm.muscle.models import MODEL_CODES, MODELS
 from drakearm.muscle.parameters import MUSCLE_DTYPE
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
 Name = Annotated[str, Field(min_length=1)]
 

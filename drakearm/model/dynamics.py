@@ -19,7 +19,7 @@ class DynamicsLanes(NamedTuple):
 
 
 def make_dynamics_lanes(dynamics: DynamicsTable, n_q: int, lanes: int) -> DynamicsLanes:
-    """Working memory for skeletons side by side."""
+    """Working memory for as many skeletons as there are lanes."""
     product = np.ones((1 + 4 * n_q + len(dynamics.factors), lanes))
     speed, mass = np.empty((n_q * n_q, lanes)), np.empty((n_q * n_q, lanes))
     return DynamicsLanes(product, speed, mass, np.empty((len(dynamics.slope_entry), lanes)))
@@ -30,7 +30,7 @@ _make_dynamics_lanes = inner(make_dynamics_lanes)
 
 @compiled
 def forward_dynamics(q, v, tau, dynamics):
-    """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau: M a = tau + gravity - Coriolis."""
+    """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau, SI: M a = tau + gravity - Coriolis."""
     n_q = len(q)
     mass, gravity = dynamics.mass_coefficient.reshape(-1, 1), dynamics.gravity_coefficient.reshape(-1, 1)
     state, a = np.empty((2 * n_q, 1)), np.empty(n_q)
@@ -43,9 +43,10 @@ def forward_dynamics(q, v, tau, dynamics):
 
 @inner
 def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coefficient, work):
-    """`forward_dynamics` for skeletons side by side: turns torques (n_q, lanes) into accelerations, in place.
+    """`forward_dynamics` for many skeletons, one per lane. force (n_q, lanes): torques, replaced by the accelerations.
 
-    state: q and v, (2 n_q, lanes). The coefficients of the terms are those of each skeleton, (K, lanes) and (G, lanes).
+    state: q and v, (2 n_q, lanes). mass_coefficient (K, lanes), gravity_coefficient (G, lanes): of each skeleton. work:
+    see `make_dynamics_lanes`. `DynamicsTable` explains the products, the factors and the slopes.
     """
     product, speed, mass, slope = work
     n_q, lanes = force.shape
@@ -74,7 +75,7 @@ def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coe
     for d in range(len(dynamics.slope_term)):
         s, t, p = dynamics.slope_term[d, 0], dynamics.slope_term[d, 1], dynamics.slope_term[d, 2]
         _add_product(slope, s, float(dynamics.slope_term[d, 3]), mass_coefficient, t, product, p)
-    for s in range(len(slope)):  # Christoffel: minus dM_jk/dq_i v_i v_k for force j, plus half of it for force i
+    for s in range(len(slope)):  # Christoffel: -dM_jk/dq_i v_i v_k for force j, 1/2 dM_jk/dq_i v_j v_k for force i
         row, column, i = dynamics.slope_entry[s, 0], dynamics.slope_entry[s, 1], dynamics.slope_entry[s, 2]
         _add_product(force, row, -1.0, slope, s, speed, n_q * i + column)
         if column != row:
@@ -85,21 +86,21 @@ def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coe
 
 @inner
 def _add_product(total, row, factor, x, i, y, j):
-    """Adds factor * x[i] * y[j] to a row."""
+    """Adds factor * x[i] * y[j] to total[row], in every lane."""
     for k in range(total.shape[1]):
         total[row, k] = fma(factor * x[i, k], y[j, k], total[row, k])
 
 
 @inner
 def _solve_lanes(mass, force):
-    """Solves mass * a = force in every lane; mass: upper triangle. Both are overwritten."""
+    """Solves mass * a = force in every lane, with a in place of force. mass: its upper triangle, overwritten too."""
     n, lanes = force.shape
     for i in range(n):
         pivot = n * i + i
         for k in range(lanes):
             mass[pivot, k] = 1.0 / mass[pivot, k]
         for j in range(i + 1, n):
-            below = n * j + i  # the lower triangle holds what row i is multiplied by
+            below = n * j + i  # the lower triangle keeps the multiples of row i that are subtracted
             for k in range(lanes):
                 mass[below, k] = mass[n * i + j, k] * mass[pivot, k]
             for c in range(j, n):
@@ -114,7 +115,7 @@ def _solve_lanes(mass, force):
 
 @inner
 def solve(mass, force):
-    """Solves mass * a = force for a positive definite mass matrix, which it overwrites, as it does force."""
+    """Solves mass * a = force for a positive definite mass matrix, and returns a. Overwrites mass and force."""
     n = len(force)
     for i in range(n):
         for j in range(i + 1, n):

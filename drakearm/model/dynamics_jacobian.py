@@ -1,4 +1,4 @@
-"""First derivatives of the skeleton's equations of motion: what `CompiledSkeleton` needs for differentiation."""
+"""First derivatives of the skeleton's equations of motion, for automatic differentiation of `CompiledSkeleton`."""
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from drakearm.muscle.compiled import compiled, inner
 
 @compiled
 def linearize_dynamics(q, v, tau, dynamics):
-    """Joint accelerations (n_q,) as `forward_dynamics` and their Jacobian (n_q, 3 n_q) by q, v and tau, in SI.
+    """Joint accelerations (n_q,), as of `forward_dynamics`, and their Jacobian (n_q, 3 n_q) by q, v and tau, in SI.
 
-    M a = h, so M da = dh - dM a: `by` collects the right side, a term of the tables at a time.
+    M a = h, so M da = dh - dM a. `by` collects the right side, term by term of the table.
     """
     n_q = len(q)
     functions = _functions(q)
@@ -23,7 +23,7 @@ def linearize_dynamics(q, v, tau, dynamics):
             by[dynamics.gravity_entry[k], i] += slope
     for k in range(len(dynamics.mass_entry)):
         row, column, basis = dynamics.mass_entry[k, 0], dynamics.mass_entry[k, 1], dynamics.mass_basis[k]
-        share = dynamics.mass_coefficient[k] * (0.5 if row == column else 1.0)  # row and column both take it
+        share = dynamics.mass_coefficient[k] * (0.5 if row == column else 1.0)  # added twice, at row and at column
         term = share * _product(functions, basis, -1, -1)
         mass[row, column] += term
         mass[column, row] += term
@@ -33,8 +33,8 @@ def linearize_dynamics(q, v, tau, dynamics):
             slope = share * _product(functions, basis, i, -1)
             by[row, i] -= slope * a[column]
             by[column, i] -= slope * a[row]
-            # The Coriolis force of this slope: -slope v_i v_column at row, the same with row and column exchanged,
-            # and slope v_row v_column at i.
+            # The Coriolis forces of this slope: -slope v_i v_column for joint row, -slope v_i v_row for joint column
+            # and slope v_row v_column for joint i.
             by[row, n_q + i] -= slope * v[column]
             by[row, n_q + column] -= slope * v[i]
             by[column, n_q + i] -= slope * v[row]
@@ -55,7 +55,7 @@ def linearize_dynamics(q, v, tau, dynamics):
 
 @inner
 def _functions(q):
-    """The five functions of every joint angle with their first and second derivatives, (3, n_q, 5)."""
+    """The five factors of every joint angle, their first and their second derivatives, (3, n_q, 5)."""
     functions = np.empty((3, len(q), 5))
     for j in range(len(q)):
         c, s = np.cos(q[j]), np.sin(q[j])
@@ -68,7 +68,7 @@ def _functions(q):
 
 @inner
 def _product(functions, basis, i, j):
-    """A term without its coefficient, differentiated by q_i and by q_j; -1 for neither."""
+    """A term without its coefficient, differentiated by q_i and by q_j; an index of -1 means no differentiation."""
     product = 1.0
     for joint in range(len(basis)):
         product *= functions[(joint == i) + (joint == j), joint, basis[joint]]

@@ -1,11 +1,10 @@
-"""The skeleton's equations of motion as a table, read off a MultibodyPlant and not written beside it.
+"""The skeleton's equations of motion as a table, derived from a MultibodyPlant and not written a second time.
 
-Mass matrix and gravity torques of a chain of revolute joints are trigonometric polynomials of degree 2 in each joint
-angle. A plant that is sampled at five angles a joint therefore gives their coefficients exactly, loads included.
+The mass matrix and the gravity torques of a chain of revolute joints are trigonometric polynomials of degree 2 in each
+joint angle. Samples of the plant at five angles per joint therefore give their coefficients exactly, loads included.
 """
 
 from collections.abc import Sequence
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -13,35 +12,70 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
+from drakearm.model.interpolation import coefficients, sample_points, terms
 
-_ANGLES = 2.0 * np.pi / 5.0 * np.arange(5)
+_DEGREE = 2
 _NEGLIGIBLE = 1e-14  # of the largest coefficient
 
 
 class DynamicsTable(NamedTuple):
-    """Terms of the mass matrix and of the gravity torques; those with coefficient 0 are left out.
+    """Terms of the mass matrix and of the gravity torques, and in which order to compute them.
 
-    A term is coefficient * product over the joints j of the function basis[j] of q_j: 1, cos, sin, cos of the double,
-    sin of the double angle. mass_entry: row and column of the mass matrix, row <= column. gravity_entry: the
-    coordinate. Coefficients of N skeletons follow each other, (N K,) and (N G,), see `stack_dynamics`.
+    A term is a coefficient times one factor per joint j: 1, cos q_j, sin q_j, cos 2 q_j or sin 2 q_j, which the basis
+    numbers from 0 to 4. There are K terms of the mass matrix M and G of the gravity torques; terms whose coefficient is
+    0 are left out. Tables of several skeletons can be combined, see `stack_dynamics`.
 
-    The other fields say how `forward_dynamics_lanes` computes: from rows of products, of which the first is 1, the next
-    ones are the four functions of every joint angle, and each further one is the product of two `factors`. Row and
-    column of the mass matrix and a joint that it depends on make a slope, which has terms of its own: slope, mass term
-    and product, and the integer that the coefficient of the mass term is multiplied by.
+    - mass_entry (K, 2): row and column of M to which the term belongs, row <= column
+    - mass_basis (K, n_q): the term's factor of each joint
+    - mass_coefficient (K,): kg m^2; for N skeletons (N K,), one skeleton after the other
+    - gravity_entry (G,): joint to whose torque the term belongs
+    - gravity_basis (G, n_q): the term's factor of each joint
+    - gravity_coefficient (G,): Nm; for N skeletons (N G,), one skeleton after the other
+    - mass_product (K,): row of products that holds the term without its coefficient
+    - gravity_product (G,): the same for the terms of the gravity torques
+    - factors (P, 2): the two rows of products whose product is row 1 + 4 n_q + p
+    - slope_entry (S, 3): row and column of M, and the joint by whose angle this entry of M is differentiated
+    - slope_term (D, 4): row of slope_entry to which it belongs, term of M that is differentiated, row of products that
+      holds the term's derivative, and the integer (-2, -1, 1 or 2) by which this row is multiplied
+
+    `forward_dynamics_lanes` computes the products row by row: row 0 is 1; rows 1 + 4 j to 4 + 4 j are cos q_j, sin q_j,
+    cos 2 q_j and sin 2 q_j; then one row for each of the factors. Terms that have the same product share its row.
+
+    An example: a planar double pendulum that hangs down, with 1 kg at the ends of two massless links of 1 m and gravity
+    of 10 m/s^2. With q_0 of the first link from the vertical and q_1 between the links, its equations of motion have
+
+        M = [[3 + 2 cos q_1, 1 + cos q_1], [1 + cos q_1, 1]]
+        gravity torques = [-20 sin q_0 - 10 sin(q_0 + q_1), -10 sin(q_0 + q_1)]
+
+    and sin(q_0 + q_1) = cos q_0 sin q_1 + sin q_0 cos q_1. The table is
+
+        mass_entry           [[0, 0], [0, 1], [1, 1], [0, 0], [0, 1]]
+        mass_basis           [[0, 0], [0, 0], [0, 0], [0, 1], [0, 1]]
+        mass_coefficient     [3, 1, 1, 2, 1]
+        gravity_entry        [0, 1, 0, 0, 1]
+        gravity_basis        [[1, 2], [1, 2], [2, 0], [2, 1], [2, 1]]
+        gravity_coefficient  [-10, -10, -20, -10, -10]
+        mass_product         [0, 0, 0, 5, 5]       1 and cos q_1
+        gravity_product      [9, 9, 2, 10, 10]     row 2 is sin q_0
+        factors              [[1, 6], [2, 5]]      row 9 is cos q_0 sin q_1, row 10 is sin q_0 cos q_1
+        slope_entry          [[0, 0, 1], [0, 1, 1]]
+        slope_term           [[0, 3, 6, -1], [1, 4, 6, -1]]
+
+    The last line says that dM_00/dq_1 is term 3 differentiated: its coefficient 2 times row 6, sin q_1, times -1; and
+    dM_01/dq_1 is term 4 differentiated.
     """
 
-    mass_entry: np.ndarray  # (K, 2)
-    mass_basis: np.ndarray  # (K, n_q)
-    mass_coefficient: np.ndarray  # (K,)
-    gravity_entry: np.ndarray  # (G,)
-    gravity_basis: np.ndarray  # (G, n_q)
-    gravity_coefficient: np.ndarray  # (G,)
-    mass_product: np.ndarray  # (K,), rows of products
-    gravity_product: np.ndarray  # (G,), rows of products
-    factors: np.ndarray  # (P, 2), rows of products
-    slope_entry: np.ndarray  # (S, 3), row and column of the mass matrix, joint
-    slope_term: np.ndarray  # (D, 4)
+    mass_entry: np.ndarray
+    mass_basis: np.ndarray
+    mass_coefficient: np.ndarray
+    gravity_entry: np.ndarray
+    gravity_basis: np.ndarray
+    gravity_coefficient: np.ndarray
+    mass_product: np.ndarray
+    gravity_product: np.ndarray
+    factors: np.ndarray
+    slope_entry: np.ndarray
+    slope_term: np.ndarray
 
 
 def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
@@ -49,16 +83,14 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
     n_q = plant.num_positions()
     context = plant.CreateDefaultContext()
     mass, gravity = [], []
-    grid = np.array(list(product(_ANGLES, repeat=n_q)))
-    for q in grid:
+    for q in sample_points(_DEGREE, n_q):
         plant.SetPositions(context, q)
         mass.append(plant.CalcMassMatrix(context))
         gravity.append(plant.CalcGravityGeneralizedForces(context))
     rows, columns = np.triu_indices(n_q)
-    bases = np.array(list(product(range(5), repeat=n_q)))
-    design = np.prod([_basis(grid[:, j])[:, bases[:, j]] for j in range(n_q)], axis=0)
-    mass_terms = np.linalg.solve(design, np.array(mass)[:, rows, columns])
-    gravity_terms = np.linalg.solve(design, np.array(gravity))
+    bases = terms(_DEGREE, n_q)
+    mass_terms = coefficients(np.array(mass)[:, rows, columns], _DEGREE, n_q)
+    gravity_terms = coefficients(np.array(gravity), _DEGREE, n_q)
     m, entry = np.nonzero(np.abs(mass_terms) > _NEGLIGIBLE * np.abs(mass_terms).max())
     g, coordinate = np.nonzero(np.abs(gravity_terms) > _NEGLIGIBLE * np.abs(gravity_terms).max())
     table = _make_table(
@@ -74,9 +106,9 @@ def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
 
 
 def stack_dynamics(tables: Sequence[DynamicsTable]) -> DynamicsTable:
-    """One table of N skeletons with equally many joints: all terms that any of them has, 0 where one lacks it.
+    """One table of N skeletons with the same number of joints: every term that any of them has, 0 where one lacks it.
 
-    It has the array types of a table of one skeleton, so that the compiler need not work twice.
+    Its arrays have the types of a table of one skeleton, so Numba compiles the functions that take it only once.
     """
 
     def stack(entries: list[np.ndarray], bases: list[np.ndarray], coefficients: list[np.ndarray]) -> list[np.ndarray]:
@@ -100,12 +132,13 @@ def _make_table(
     gravity_basis: np.ndarray,
     gravity_coefficient: np.ndarray,
 ) -> DynamicsTable:
-    """The table with these terms. Its products are made once, however many terms and slopes share them."""
+    """The table with these terms. Terms and slopes that have the same product share one row of products."""
     n_q = mass_basis.shape[1]
     factors: list[tuple[int, int]] = []
     made: dict[tuple[int, ...], int] = {}
 
     def product(basis: tuple[int, ...]) -> int:
+        """The row of a product, which is made from the product of all its factors but the last."""
         joints = [j for j in range(n_q) if basis[j]]
         if not joints:
             return 0
@@ -122,7 +155,7 @@ def _make_table(
     slope_terms = []
     for t, ((row, column), basis) in enumerate(zip(mass_entry.tolist(), mass_basis.tolist(), strict=True)):
         for j, function in enumerate(basis):
-            if function:  # cos' = -sin, sin' = cos, and twice that for the double angle
+            if function:  # cos' = -sin and sin' = cos; twice as much for the double angle
                 slope = slopes.setdefault((row, column, j), len(slopes))
                 turned = (*basis[:j], (0, 2, 1, 4, 3)[function], *basis[j + 1 :])
                 slope_terms.append((slope, t, product(turned), (0, -1, 1, -2, 2)[function]))
@@ -143,7 +176,7 @@ def _make_table(
 
 
 def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> None:
-    """Compares with the plant off the grid, where only a chain of revolute joints agrees."""
+    """Compares with the plant between the sample points, where only a chain of revolute joints agrees."""
     n_q = plant.num_positions()
     q, v = np.full(n_q, 0.7), np.ones(n_q)
     plant.SetPositions(context, q)
@@ -155,7 +188,7 @@ def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> Non
     for entry, basis, c in zip(table.gravity_entry, table.gravity_basis, table.gravity_coefficient, strict=True):
         force[entry] += c * functions[0, joints, basis].prod()
     for (row, column), basis, c in zip(table.mass_entry, table.mass_basis, table.mass_coefficient, strict=True):
-        share = c / 2 if row == column else c  # row and column both take it
+        share = c / 2 if row == column else c  # added twice, at row and at column
         derivative = share * np.array([functions[(joints == i).astype(int), joints, basis].prod() for i in joints])
         mass[[row, column], [column, row]] += share * functions[0, joints, basis].prod() * (1 + (row == column))
         force[row] -= derivative @ v * v[column]
@@ -166,10 +199,10 @@ def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> Non
 
 
 def _basis(q: np.ndarray) -> np.ndarray:
-    """The five functions (..., 5) of angles (...)."""
+    """The five factors (..., 5) of angles (...)."""
     return np.stack([np.ones_like(q), np.cos(q), np.sin(q), np.cos(2 * q), np.sin(2 * q)], axis=-1)
 
 
 def _slopes(q: np.ndarray) -> np.ndarray:
-    """Their derivatives (..., 5)."""
+    """The derivatives of the five factors (..., 5)."""
     return np.stack([np.zeros_like(q), -np.sin(q), np.cos(q), -2 * np.sin(2 * q), 2 * np.cos(2 * q)], axis=-1)

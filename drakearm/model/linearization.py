@@ -1,4 +1,4 @@
-"""First derivatives of the muscles' equations: what `HillMuscles` needs for automatic differentiation."""
+"""First derivatives of the muscles' equations, for automatic differentiation of `HillMuscles`."""
 
 import numpy as np
 
@@ -17,10 +17,11 @@ from drakearm.muscle.contraction import (
 
 @compiled
 def linearize_muscles(fibers, excitation, arm_state, muscles, paths):
-    """Values (4 n + n_q,) and Jacobian (4 n + n_q, 3 n + 2 n_q) of what the muscles do, in SI.
+    """Values (4 n + n_q,) and Jacobian (4 n + n_q, 3 n + 2 n_q) of the equations of n muscles, in SI.
 
-    Values: activation rates, fiber velocities, tendon forces, musculotendon lengths, generalized force. Columns:
-    activations, fiber lengths, excitations, q, v.
+    The values are the activation rates, fiber velocities, tendon forces and musculotendon lengths, (n,) each, and the
+    generalized force (n_q,). The columns of the Jacobian are the derivatives by activations, fiber lengths,
+    excitations, q and v. fibers: activations and fiber lengths (2 n,). muscles, paths: the tables of an `Arm`.
     """
     n, n_q = len(muscles), len(arm_state) // 2
     q, v = arm_state[:n_q], arm_state[n_q:]

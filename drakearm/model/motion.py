@@ -1,4 +1,4 @@
-"""A motion of the skeleton as trajectories over time: what collocation finds and model predictive control follows."""
+"""A motion of the skeleton as trajectories over time: collocation finds it, model predictive control follows it."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ class Motion:
     inputs: PiecewisePolynomial
 
     def later(self, seconds: float) -> "Motion":
-        """The same motion at a later time."""
+        """The same motion, this many seconds later."""
         motion = Motion(self.states.Clone(), self.inputs.Clone())
         motion.states.shiftRight(seconds)
         motion.inputs.shiftRight(seconds)

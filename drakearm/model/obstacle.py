@@ -1,29 +1,25 @@
-"""An obstacle: a cylinder in the way of the arm, that a plan goes around and a replay shows."""
-
-from typing import Annotated
+"""An obstacle: a cylinder in the way of the arm. Plans go around it, replays show it."""
 
 import numpy as np
-from pydantic import ConfigDict, Field, field_validator
+from pydantic import field_validator
 from pydantic.dataclasses import dataclass
 from pydrake.geometry import Cylinder
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Vector = tuple[Finite, Finite, Finite]
+from drakearm.model.fields import STRICT, Positive, Vector
 
 _COLOR = np.array([0.80, 0.36, 0.24, 1.0])
 
 
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Obstacle:
-    """A cylinder at rest in the world. Lengths in m. For the planner it has no ends: it crosses the whole plane."""
+    """A cylinder at rest in the world. Lengths in m. For the planner it has no ends: it is infinitely long."""
 
-    position: Vector  # of its middle, p_WO
+    position: Vector  # p_WO, of its middle
     axis: Vector = (0.0, 0.0, 1.0)  # in the world; arm14 moves in the plane across z
     radius: Positive
-    length: Positive = 0.3  # as it is drawn
+    length: Positive = 0.3  # for drawing only
 
     @field_validator("axis")
     @classmethod
@@ -39,9 +35,9 @@ class Obstacle:
 
 
 def add_obstacle(plant: MultibodyPlant, obstacle: Obstacle) -> None:
-    """Fixes an obstacle's shape to the world of a plant that is a source of a SceneGraph and not finalized yet.
+    """Fixes an obstacle's shape to the world of a plant that is registered with a SceneGraph and not finalized yet.
 
-    It is drawn but it does not push: what keeps the arm away from it is the plan.
+    The shape is only drawn. There are no contact forces: only the plan keeps the arm away from it.
     """
     X_WO = RigidTransform(RotationMatrix.MakeFromOneVector(obstacle.direction, 2), np.array(obstacle.position))
     shape = Cylinder(obstacle.radius, obstacle.length)

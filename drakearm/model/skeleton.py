@@ -1,4 +1,4 @@
-"""Puts an arm's skeleton into a MultibodyPlant: bodies, joints, gravity, and a load in the hand."""
+"""The skeleton, an arm's bodies and joints: puts it into a MultibodyPlant, and gives the joint torques that move it."""
 
 import math
 
@@ -20,9 +20,9 @@ _LOAD_COLOR = np.array([0.25, 0.27, 0.30, 1.0])
 def add_skeleton(plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0) -> ModelInstanceIndex:
     """Parses the arm's skeleton into a plant that is not finalized yet and sets the arm's gravity.
 
-    load_mass: kg, an iron ball centered on the arm's load frame and welded to it, as body "load". The skeleton keeps
-    its joint limits; a continuous plant does not enforce them (see `JointStops`). Raises ArmError where the skeleton
-    lacks what the arm names.
+    load_mass: kg, of an iron ball that is centered on the arm's load frame and welded to it, as body "load". The plant
+    has the skeleton's joint limits, but a continuous plant does not enforce them (see `JointStops`). Raises ArmError
+    where the skeleton lacks a joint, frame or body that the arm names.
     """
     if not (math.isfinite(load_mass) and load_mass >= 0.0):
         raise ArmError(f"The load is {load_mass} kg: expected a mass that is not negative.")
@@ -40,14 +40,31 @@ def add_skeleton(plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0) -> Mod
 
 
 def inverse_dynamics(plant: MultibodyPlant, context: Context, a: np.ndarray) -> np.ndarray:
-    """The joint torques (n_q,), Nm, that give a skeleton in a context's state the accelerations a (n_q,), rad/s^2."""
+    """The joint torques (n_q,), Nm, for the accelerations a (n_q,), rad/s^2, in the state of a plant's context."""
     forces = MultibodyForces(plant)
     plant.CalcForceElementsContribution(context, forces)
     return plant.CalcInverseDynamics(context, a, forces)
 
 
+def movement_torques(plant: MultibodyPlant, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """The joint torques (N, n_q), Nm, of a movement: q, v, a, each (N, n_q), SI."""
+    context = plant.CreateDefaultContext()
+    torques = np.empty_like(q)
+    for k in range(len(q)):
+        plant.SetPositions(context, q[k])
+        plant.SetVelocities(context, v[k])
+        torques[k] = inverse_dynamics(plant, context, a[k])
+    return torques
+
+
+def gravity_torque(plant: MultibodyPlant, q: np.ndarray) -> np.ndarray:
+    """The joint torques (n_q,), Nm, that hold the skeleton still at q (n_q,), rad."""
+    rest = np.zeros((1, len(q)))
+    return movement_torques(plant, q[None, :], rest, rest)[0]
+
+
 def _check(plant: MultibodyPlant, arm: Arm, model: ModelInstanceIndex) -> None:
-    """Every name that the arm uses must be in the skeleton, and its moving joints must be the coordinates."""
+    """The skeleton must have every name that the arm uses, and its moving joints must be the arm's coordinates."""
     joints = [plant.get_joint(i) for i in plant.GetJointIndices(model)]
     moving = tuple(joint.name() for joint in joints if joint.num_positions() > 0)
     if moving != arm.coordinates or any(joint.num_positions() > 1 for joint in joints):

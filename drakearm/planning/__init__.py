@@ -1,30 +1,43 @@
-"""Optimal references: what a movement is, what it costs, and the trajectory that costs least."""
+"""Planning with optimal control: what a movement is, what it costs, and the trajectory that costs least."""
 
-from drakearm.planning.cost import Cost, CostPiece
-from drakearm.planning.costs import Duration, HeldJoint, Posture, SwitchedTarget, Torque, TorqueRate
+from drakearm.planning.costs import (
+    Cost,
+    CostPiece,
+    Duration,
+    HeldJoint,
+    Posture,
+    SwitchedTarget,
+    Torque,
+    TorqueRate,
+)
+from drakearm.planning.feasibility import Feasibility, muscle_feasibility
 from drakearm.planning.hand_costs import HandPosition, ObstacleDistance
 from drakearm.planning.movement import Movement
 from drakearm.planning.planner import plan
+from drakearm.planning.planning_model import PlanningModel
 from drakearm.planning.problem import Problem
 from drakearm.planning.receding_horizon import RecedingHorizon
 from drakearm.planning.result import Plan
-from drakearm.planning.skeleton import Skeleton
+from drakearm.planning.verification import Verification
 
 __all__ = [
     "Cost",
     "CostPiece",
     "Duration",
+    "Feasibility",
     "HandPosition",
     "HeldJoint",
     "Movement",
     "ObstacleDistance",
     "Plan",
+    "PlanningModel",
     "Posture",
     "Problem",
     "RecedingHorizon",
-    "Skeleton",
     "SwitchedTarget",
     "Torque",
     "TorqueRate",
+    "Verification",
+    "muscle_feasibility",
     "plan",
 ]

@@ -8,14 +8,15 @@ from drakearm.muscle.compiled import compiled
 
 @compiled
 def clearances(q, ends, radii, center, direction):
-    """Distances (c,), m, between c capsules and a cylinder without ends, and their derivatives by q (c, n_q).
+    """Distances (c,), m, of c capsules from an infinitely long cylinder, and their derivatives by q (c, n_q).
 
-    ends: table of the 2 c ends of the capsules' axes. radii: (c,), the capsule's plus the cylinder's. center,
-    direction: of the cylinder's axis, (3,) each. Negative where they overlap, by as much as would part them.
+    ends: table of the 2 c ends of the capsules' axes. radii: (c,), m, the radius of each capsule plus that of the
+    cylinder. center, direction: a point on the cylinder's axis, m, and its unit vector, (3,) each. A distance is
+    negative where the two overlap: then it is how far they would have to move apart, with a minus sign.
 
-    Seen along the cylinder, its axis is a point and a capsule's axis a segment a-b. The nearest point of the segment
-    moves along it to first order only where that does not change the distance, so its share of the way, s, counts as
-    constant.
+    Seen along the cylinder, its axis is a point and the capsule's axis is a line from a to b. The nearest point of that
+    line is a + s (b - a). The derivatives treat s as constant: within the line the distance is a minimum over s, and at
+    its ends s does not change.
     """
     position, jacobian = point_positions(q, ends)
     distance = np.empty(len(radii))
@@ -29,7 +30,7 @@ def clearances(q, ends, radii, center, direction):
         nearest = a + s * way
         gap = np.sqrt(nearest @ nearest)
         distance[c] = gap - radii[c]
-        if gap > 0.0:  # on the axis any way out is as short
+        if gap > 0.0:  # on the cylinder's axis there is no derivative: 0
             for j in range(len(q)):
                 move = (1.0 - s) * jacobian[2 * c, :, j] + s * jacobian[2 * c + 1, :, j]
                 derivative[c, j] = (nearest / gap) @ move

@@ -1,4 +1,4 @@
-"""Optimal control by direct collocation: costs a problem, solves it and says how that went."""
+"""Optimal control by direct collocation: adds the costs to a problem, solves it and reports how it was solved."""
 
 import re
 from collections.abc import Sequence
@@ -16,17 +16,17 @@ from pydrake.solvers import (
 
 from drakearm.errors import PlanningError
 from drakearm.model.motion import Motion
-from drakearm.planning.cost import CostPiece
+from drakearm.planning.costs import CostPiece
 from drakearm.planning.diagnosis import explain
 from drakearm.planning.newton import newton_solver_name, solve_newton
 from drakearm.planning.problem import Problem
 
-_GUESS_COST = 10.0  # after scaling; tried: 3 to 100 take about as long
+_GUESS_COST = 10.0  # of the initial guess, after scaling; values from 3 to 100 take about as long
 
 
 @dataclass(frozen=True)
 class Solution:
-    """A solved problem: the motion and what `Plan` tells about it."""
+    """A solved problem: the motion, and the fields that `Plan` takes from it."""
 
     motion: Motion
     solver: str
@@ -40,10 +40,10 @@ class Solution:
 
 
 def solve(problem: Problem, costs: Sequence[CostPiece], what: str, cost_scale: float | None = None) -> Solution:
-    """The motion of least cost. Raises PlanningError, in one sentence, where there is none.
+    """The motion of least cost. Raises PlanningError, with one sentence, if there is none.
 
-    what: "from a to b", for that sentence. cost_scale: what the solver's costs are multiplied by; by default the guess
-    decides.
+    what: continues "There is no plan" in that sentence, for example "from a to b". cost_scale: factor by which the
+    solver's costs are multiplied; by default that of `guess_scale`.
     """
     prog, collocation = problem.prog, problem.collocation
     terms = [(cost.type, cost.add(problem)) for cost in costs]
@@ -77,7 +77,7 @@ def solve(problem: Problem, costs: Sequence[CostPiece], what: str, cost_scale: f
 
 
 def evaluate(problem: Problem, costs: Sequence[CostPiece]) -> dict[str, float]:
-    """What each type of cost contributes where the problem's guess is."""
+    """What each type of cost contributes at the problem's initial guess."""
     return _values(problem, [(cost.type, cost.add(problem)) for cost in costs], problem.prog.initial_guess())
 
 
@@ -90,27 +90,27 @@ def _values(problem: Problem, terms: list[tuple[str, list[Binding]]], x: np.ndar
 
 
 def guess_scale(problem: Problem, bindings: Sequence[Binding]) -> float:
-    """What to multiply costs by so that those of the initial guess are of the size that suits the solver.
+    """The factor on all costs that gives the initial guess a total cost of a size that suits the solver.
 
-    Costs that are small beside SNOPT's first guess of the Hessian take it twenty times as long.
+    SNOPT takes twenty times as long with costs that are small in comparison with its first guess of the Hessian.
     """
     of_guess = float(np.sum(problem.prog.EvalBindings(bindings, problem.prog.initial_guess())))
     return _GUESS_COST / of_guess if of_guess > 0.0 else 1.0
 
 
 def _count_evaluations(problem: Problem) -> list[None]:
-    """A list that grows with every evaluation of the problem: Drake does not tell a solver's iterations."""
+    """A list that grows by one with every evaluation of the problem: Drake does not report a solver's iterations."""
     seen: list[None] = []
     problem.prog.AddVisualizationCallback(lambda _: seen.append(None), problem.q(0))
     return seen
 
 
 def _choose_solver() -> tuple[SolverInterface, SolverOptions]:
-    """SNOPT, or IPOPT in a Drake that was built without it."""
+    """SNOPT, or IPOPT if Drake was built without SNOPT."""
     options = SolverOptions()
     options.SetOption(SnoptSolver.id(), "Major optimality tolerance", 1e-3)  # of scaled costs: four digits
     options.SetOption(SnoptSolver.id(), "Major iterations limit", 300)
-    # Measured on the shipped scenarios: a third less time for the reaches, a fifth for timing, to the same costs.
+    # Measured on the shipped scenarios: the same costs, in a third less time for reaching and a fifth for timing.
     options.SetOption(SnoptSolver.id(), "QPSolver", "QN")
     options.SetOption(SnoptSolver.id(), "Hessian updates", 40)
     options.SetOption(IpoptSolver.id(), "tol", 1e-4)

@@ -1,25 +1,42 @@
-"""The costs of postures and torques: quadratic, so they are cheap to solve."""
+"""The costs of a movement: the base of all costs, and those of postures and torques, which are quadratic."""
 
 from typing import Annotated
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import BeforeValidator, InstanceOf
 from pydantic.dataclasses import dataclass
 from pydrake.solvers import Binding
 
-from drakearm.planning.cost import CostPiece, NonNegative, Weight
+from drakearm.model.fields import STRICT, Finite, NonNegative
+from drakearm.model.kinds import Kind
 from drakearm.planning.problem import Problem
 
 RATE_STEP = 0.04  # s: the paper's step, over which its R weighs a change of torque
 
-Angle = Annotated[float, Field(allow_inf_nan=False)]
-
-_STRICT = ConfigDict(extra="forbid")
+Weight = NonNegative | tuple[NonNegative, ...]  # one for all coordinates, or one for each
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class CostPiece(Kind):
+    """Base of all costs. A cost of your own is a frozen dataclass with a `type` that derives from this class.
+
+    A scenario file can list it by its `type` once the module that defines it is imported.
+    """
+
+    def add(self, problem: Problem) -> list[Binding]:
+        """Adds the cost to a problem, and returns what it added, so that the cost's value can be reported.
+
+        An integral over the movement is a sum over the knots, each with the time that it stands for (`problem.shares`).
+        So a weight means the same for any number of knots.
+        """
+        raise NotImplementedError
+
+
+Cost = Annotated[InstanceOf[CostPiece], BeforeValidator(CostPiece.read)]  # as a scenario file has it: see `Kind.read`
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Posture(CostPiece):
-    """Distance to the target and speed, along the way (integrated over time) and at the end."""
+    """Distance to the target and speed, both squared, during the movement (integrated over time) and at its end."""
 
     type = "posture"
     running: Weight = 0.0  # of (q - target)^2, 1/(rad^2 s)
@@ -39,15 +56,15 @@ class Posture(CostPiece):
         return [*costs, error(final, len(problem.times) - 1)]
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class SwitchedTarget(CostPiece):
-    """Distance to a first target until a time, and to the movement's target from then on, integrated over time.
+    """Distance to a set point, squared and integrated over time: first to a posture of its own, later to the target.
 
-    Denizdurduran et al. 2022, eq. 9: the set point switches at t_s.
+    Denizdurduran et al. 2022, eq. 9: the set point switches to the movement's target at the time t_s.
     """
 
     type = "switched_target"
-    first_deg: tuple[Angle, ...]  # per coordinate
+    first_deg: tuple[Finite, ...]  # per coordinate
     switch_time: NonNegative  # t_s, s from the start
     weight: Weight  # of (q - set point)^2, 1/(rad^2 s)
 
@@ -62,7 +79,7 @@ class SwitchedTarget(CostPiece):
         ]
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Torque(CostPiece):
     """The joint torques squared, integrated over time."""
 
@@ -78,12 +95,12 @@ class Torque(CostPiece):
         ]
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class TorqueRate(CostPiece):
     """The rate of the joint torques squared, integrated over time.
 
-    This is du' R du of Denizdurduran et al. 2022, eq. 3, for any knots: (RATE_STEP dtau/dt)^2 R.
-    At knots RATE_STEP apart it is the paper's sum, times RATE_STEP as all integrals are.
+    This is du' R du of Denizdurduran et al. 2022, eq. 3, for any knots: (RATE_STEP dtau/dt)^2 R is integrated. With
+    knots that are RATE_STEP apart, the integral is the paper's sum times RATE_STEP.
     """
 
     type = "torque_rate"
@@ -97,18 +114,18 @@ class TorqueRate(CostPiece):
             change = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag(weights))
             torques = np.concatenate([problem.tau(k), problem.tau(k + 1)])
             scale = RATE_STEP**2 / step
-            # AddQuadraticCost halves its matrix; it is singular, but convex.
+            # AddQuadraticCost halves its matrix. The matrix is singular, but the cost is convex.
             costs.append(problem.prog.AddQuadraticCost(2.0 * scale * change, zero, torques, is_convex=True))
         return costs
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class HeldJoint(CostPiece):
-    """How far one joint is from an angle, squared and integrated over time: keeps it still."""
+    """The distance of one joint from an angle, squared and integrated over time: holds the joint there."""
 
     type = "held_joint"
     joint: str
-    angle_deg: Angle
+    angle_deg: Finite
     weight: NonNegative  # of (q_joint - angle)^2, 1/(rad^2 s)
 
     def add(self, problem: Problem) -> list[Binding]:
@@ -120,9 +137,9 @@ class HeldJoint(CostPiece):
         ]
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Duration(CostPiece):
-    """How long the movement takes: what makes a free end time come to an end."""
+    """The duration of the movement. Without it a movement of free duration takes as long as it may."""
 
     type = "duration"
     weight: NonNegative  # 1/s

@@ -1,8 +1,8 @@
 """The defects of the collocation, all intervals in one compiled call, with derivatives.
 
-Hermite-Simpson collocation with torques linear between the knots (Hargraves and Paris 1987), scaled as Drake's
-DirectCollocationConstraint scales it: in each interval's middle, the slope of the cubic splines less the state's
-derivative there.
+Hermite-Simpson collocation with torques that are linear between the knots (Hargraves and Paris 1987). A defect is
+evaluated in the middle of an interval: the slope of the cubic splines minus the derivative of the state there. It is
+scaled like that of Drake's DirectCollocationConstraint.
 """
 
 import numpy as np
@@ -28,7 +28,8 @@ def state_derivative(z, dynamics):
 def defects(knots, step, dynamics):
     """The defects (N - 1, 2 n_q) of N knots (N, 3 n_q), each q, v and tau, and Jacobians (N - 1, 2 n_q, 6 n_q).
 
-    The Jacobian of an interval is by its first and its second knot. step: s, between the knots.
+    The columns of an interval's Jacobian are the derivatives by its first knot, then by its second. step: s, between
+    the knots.
     """
     n_knots, n_z = knots.shape
     n_x = 2 * n_z // 3

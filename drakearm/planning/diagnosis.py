@@ -1,4 +1,4 @@
-"""Why there is no plan: solved again with limits that give, it names those that had to give."""
+"""Why there is no plan: solves again with relaxed limits and names those that are violated."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ from pydrake.solvers import MathematicalProgram, SnoptSolver, SolverInterface, S
 
 from drakearm.planning.problem import NamedConstraint, Problem
 
-_NEGLIGIBLE = 1e-3  # of a limit, or of an equation in SI units: below it nothing is violated
+_NEGLIGIBLE = 1e-3  # violation of a limit or an equation, in its own unit, that does not count
 
 
 @dataclass(frozen=True)
 class Violation:
-    """By how much a constraint is violated at the time where it is worst."""
+    """By how much a constraint is violated, at the time where this is worst."""
 
     name: str
     amount: float
@@ -25,7 +25,7 @@ class Violation:
 
 
 def violations(prog: MathematicalProgram, constraints: Sequence[NamedConstraint], x: np.ndarray) -> list[Violation]:
-    """What the program's variables x violate: every name at its worst time, worst first."""
+    """The constraints that the program's variables x violate: each name once, at its worst time, the worst first."""
     worst: dict[str, Violation] = {}
     for constraint in constraints:
         evaluator = constraint.binding.evaluator()
@@ -41,23 +41,23 @@ def violations(prog: MathematicalProgram, constraints: Sequence[NamedConstraint]
 
 
 def explain(problem: Problem, solver: SolverInterface, failed: np.ndarray) -> str:
-    """What stands in the way of a plan, as half a sentence; failed: where the solver gave up."""
-    x = _give_way(problem, solver)
+    """The reason why there is no plan, as part of a sentence. failed: the variables at which the solver stopped."""
+    x = _relax_limits(problem, solver)
     broken = violations(problem.prog, problem.limits, x) if x is not None else []
     if broken:
         return "even the nearest movement exceeds " + _join(broken)
     broken = violations(problem.prog, problem.constraints, failed)
     if broken:
-        return "where it stopped it violates " + _join(broken)
-    return "where it stopped nothing is violated, but the costs could still fall"
+        return "the movement at which the solver stopped violates " + _join(broken)
+    return "the movement at which the solver stopped violates nothing, but its costs could still fall"
 
 
-def _give_way(problem: Problem, solver: SolverInterface) -> np.ndarray | None:
-    """The movement that exceeds the limits least, as variables; None if none was found either."""
+def _relax_limits(problem: Problem, solver: SolverInterface) -> np.ndarray | None:
+    """The variables of the movement that exceeds the limits least; None if the solver does not find one either."""
     prog = problem.prog.Clone()
     for cost in prog.GetAllCosts():
         prog.RemoveCost(cost)
-    excess = prog.NewContinuousVariables(len(problem.limits), "excess")  # shares of the limits
+    excess = prog.NewContinuousVariables(len(problem.limits), "excess")  # over each limit, relative to it
     prog.AddBoundingBoxConstraint(0.0, np.inf, excess)
     prog.AddLinearCost(np.ones(len(excess)), 0.0, excess)
     start = problem.prog.initial_guess()
@@ -75,10 +75,9 @@ def _give_way(problem: Problem, solver: SolverInterface) -> np.ndarray | None:
             np.append(variables, share),
         )
         most = np.max(np.abs(problem.prog.EvalBinding(limit.binding, start)) / bound[:, 0])
-        shares.append(max(0.0, most - 1.0))  # so that the start satisfies all but the dynamics
+        shares.append(max(0.0, most - 1.0))  # so that the start violates only the dynamics
     options = SolverOptions()
-    # Outside the limits torques and accelerations are huge: without scaling this takes ten times
-    # as long.
+    # Outside the limits torques and accelerations are huge: without scaling the solver takes ten times as long.
     options.SetOption(SnoptSolver.id(), "Scale option", 2)
     options.SetOption(SnoptSolver.id(), "Major iterations limit", 200)
     result = solver.Solve(prog, np.concatenate([start, shares]), options)

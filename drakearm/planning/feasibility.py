@@ -1,24 +1,23 @@
-"""Is a reference feasible for the muscles? Static optimization at every sample, and the torque that is missing."""
+"""Whether muscles can do a movement: static optimization at every sample, and the torque that is missing."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from drakearm.diagrams import MakeTorqueArm
-from drakearm.model import Arm
+from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.reference import Reference
+from drakearm.model.skeleton import movement_torques
 from drakearm.model.static_optimization import static_activations
-from drakearm.planning.torques import inverse_dynamics
 
-NEGLIGIBLE = 0.01  # Nm, reserve torque that counts as none
+NEGLIGIBLE = 0.01  # Nm, reserve torque that does not count
 
 
 @dataclass(frozen=True)
 class Feasibility:
-    """At times t (N,), s: the torques a movement takes, the smallest activations, and what these cannot exert.
+    """What a movement requires of the muscles, at times t (N,), s.
 
-    activation: (N, n), of least sum of squares. required, reserve: torques (N, n_q), Nm; the muscles exert their
-    difference.
+    activation: (N, n), those with the least sum of squares. required: the joint torques (N, n_q), Nm, that the movement
+    takes. reserve: the part of them (N, n_q), Nm, that the muscles cannot exert.
     """
 
     coordinates: tuple[str, ...]
@@ -34,7 +33,7 @@ class Feasibility:
 
     @property
     def verdict(self) -> str:
-        """One sentence: how hard the muscles work, or which joint lacks how much torque, and when."""
+        """One sentence: the largest activation, or which joint lacks how much torque, and when."""
         if self.feasible:
             return f"The muscles can do it, with activations of at most {self.activation.max():.2f}."
         k, j = np.unravel_index(np.abs(self.reserve).argmax(), self.reserve.shape)
@@ -45,13 +44,14 @@ class Feasibility:
 
 
 def muscle_feasibility(arm: Arm, reference: Reference, load_mass: float = 0.0) -> Feasibility:
-    """The activations that each sample of a reference takes, if the muscles are strong enough.
+    """The activations that each sample of a reference requires, and the torque that is missing.
 
-    load_mass: kg, in the hand. Static optimization (Anderson and Pandy 2001) takes every sample by itself: with force,
-    length, velocity, passive forces and stretched tendons, but as if activations could change at once.
+    load_mass: kg, in the hand. Static optimization (Anderson and Pandy 2001) considers each sample on its own. It takes
+    account of the force-length-velocity curves, passive forces and stretched tendons, but it lets activations change
+    instantly from one sample to the next.
     """
     q, v = reference.q, reference.v
-    required = inverse_dynamics(MakeTorqueArm(arm, load_mass), q, v, reference.a)
+    required = movement_torques(MakeTorqueArm(arm, load_mass), q, v, reference.a)
     activation, reserve = np.empty((len(q), len(arm.muscles))), np.empty_like(required)
     guess = arm.muscle_table["minimum_activation"].copy()
     for k in range(len(q)):

@@ -1,4 +1,4 @@
-"""Where the optimization starts: the minimum-jerk movement, bent around an obstacle, with the torques it takes."""
+"""The initial guess of the optimization: the minimum-jerk movement, bent around an obstacle, and its torques."""
 
 from collections.abc import Callable
 from itertools import product
@@ -8,26 +8,24 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from drakearm.errors import PlanningError
 from drakearm.model.motion import Motion
+from drakearm.model.skeleton import movement_torques
 from drakearm.planning.movement import Movement, in_degrees
-from drakearm.planning.problem import Problem
-from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.torques import inverse_dynamics
-from drakearm.planning.transcription import angle_limits, transcribe
+from drakearm.planning.planning_model import PlanningModel
 
-_LONGEST_DETOUR = np.deg2rad(60.0)  # by which a joint may leave the straight way
-_DETOURS = 625  # tried, about: 25 for each of two joints
-_SAMPLES = 41
+_LONGEST_DETOUR = np.deg2rad(60.0)  # of one joint from the straight way
+_DETOURS = 625  # about how many are tried: 25 for each of two joints
+_SAMPLES = 41  # along a detour
 
 
-def straight_guess(skeleton: Skeleton, movement: Movement, times: np.ndarray) -> Motion:
-    """The minimum-jerk movement, around the obstacle, at times (N,). Raises PlanningError where there is no way."""
+def straight_guess(model: PlanningModel, movement: Movement, times: np.ndarray) -> Motion:
+    """The minimum-jerk movement, around the obstacle, at times (N,), s. Raises PlanningError if there is no way."""
     detour: np.ndarray | float = 0.0
-    if skeleton.obstacle is not None:
+    if model.obstacle is not None:
         found = smallest_detour(
             movement.start,
             movement.target,
-            angle_limits(skeleton, movement),
-            lambda q: bool(skeleton.clearance(q)[0].min() >= movement.clearance),
+            model.angle_limits(movement.angle_limit_deg),
+            lambda q: bool(model.clearance(q)[0].min() >= movement.clearance),
         )
         if found is None:
             raise PlanningError(
@@ -37,25 +35,17 @@ def straight_guess(skeleton: Skeleton, movement: Movement, times: np.ndarray) ->
         detour = found
     q, v, a = minimum_jerk(movement.start, movement.target, times, detour)
     states = PiecewisePolynomial.CubicHermite(times, np.hstack([q, v]).T, np.hstack([v, a]).T)
-    torques = inverse_dynamics(skeleton.plant, q, v, a)
+    torques = movement_torques(model.plant, q, v, a)
     return Motion(states, PiecewisePolynomial.FirstOrderHold(times, torques.T))
-
-
-def transcribe_movement(skeleton: Skeleton, movement: Movement) -> Problem:
-    """The problem of a whole movement of fixed duration, from its start at rest in equilibrium."""
-    assert isinstance(movement.duration, float)
-    times = np.linspace(0.0, movement.duration, movement.knots)
-    start = (np.concatenate([movement.start, np.zeros_like(movement.start)]), skeleton.gravity_torque(movement.start))
-    guess = straight_guess(skeleton, movement, times)
-    return transcribe(skeleton, movement, times, start, guess, arrives=movement.end == "rest")
 
 
 def minimum_jerk(
     start: np.ndarray, target: np.ndarray, times: np.ndarray, detour: np.ndarray | float = 0.0
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """q, v, a, each (N, n_q), of the smoothest movement from rest to rest, at times (N,).
+    """q, v, a, each (N, n_q), of the smoothest movement from rest to rest, at times (N,), s.
 
-    Flash and Hogan 1985, for each joint angle. detour: (n_q,) rad, by which the joints are off that way in its middle.
+    Flash and Hogan 1985, applied to each joint angle. detour: (n_q,) rad, added to the angles in the movement's middle,
+    with a smooth bump around it.
     """
     duration = times[-1] - times[0]
     s = ((times - times[0]) / duration)[:, None]
@@ -78,8 +68,8 @@ def smallest_detour(
 ) -> np.ndarray | None:
     """The smallest detour (n_q,), rad, on which the arm stays within joint limits and is clear; None if there is none.
 
-    clear: whether the arm at q (n_q,) is clear of everything. From a guess that goes through an obstacle, a solver may
-    leave it on either side from one knot to the next.
+    clear: whether the arm at q (n_q,) is clear of everything. The guess must not go through an obstacle: from there a
+    solver may find a plan that is on one side of it at one knot and on the other side at the next.
     """
     times = np.linspace(0.0, 1.0, _SAMPLES)
     lower, upper = np.minimum(limits[0], np.minimum(start, target)), np.maximum(limits[1], np.maximum(start, target))

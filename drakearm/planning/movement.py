@@ -1,37 +1,34 @@
-"""What a movement is: where it starts and ends, how long it takes, its limits and its costs."""
+"""A movement to be planned: where it starts and ends, how long it takes, its limits and its costs."""
 
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic.dataclasses import dataclass
 
+from drakearm.model.fields import STRICT, Finite, NonNegative, Positive
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.planning.cost import Cost
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Limits = tuple[Positive, ...]
+from drakearm.planning.costs import Cost
 
 
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Movement:
-    """A movement that starts at rest, as a scenario file's section `movement` holds it.
+    """A movement that starts at rest. Its fields are those of the section `movement` of a scenario file.
 
-    duration: fixed, or free between a shortest and a longest; then the one of least cost is found. end: at rest at the
-    target, or free, where the costs alone draw the arm to the target.
+    duration: fixed, or free between a shortest and a longest one, of which that of least cost is found. end: "rest", at
+    rest at the target, or "free", where only the costs bring the arm to the target.
     """
 
     start_deg: tuple[Finite, ...]  # per coordinate
     target_deg: tuple[Finite, ...]  # per coordinate
     duration: Positive | tuple[Positive, Positive]  # s, whole control steps
     end: Literal["rest", "free"] = "rest"
-    hold: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] = 0.05  # s of rest after the end
+    hold: NonNegative = 0.05  # s of rest after the end
     knots: Annotated[int, Field(ge=5)] = 21  # of the collocation, evenly spaced
-    angle_limit_deg: tuple[tuple[Finite, Finite], ...] | None = None  # per coordinate; else the skeleton's
-    speed_limit: Limits  # rad/s, per coordinate
-    torque_limit: Limits  # Nm, per coordinate
-    clearance: Positive = 0.01  # m, from an obstacle, at the knots; half of it everywhere
+    angle_limit_deg: tuple[tuple[Finite, Finite], ...] | None = None  # per coordinate; default: joint limits
+    speed_limit: tuple[Positive, ...]  # rad/s, per coordinate
+    torque_limit: tuple[Positive, ...]  # Nm, per coordinate
+    clearance: Positive = 0.01  # m, from an obstacle at the knots; between them at least half of it
     costs: Annotated[list[Cost], Field(min_length=1)]
 
     @field_validator("duration", "hold")
@@ -48,7 +45,7 @@ class Movement:
     @model_validator(mode="after")
     def _holds_at_rest(self) -> "Movement":
         if self.end == "free" and self.hold > 0.0:
-            raise ValueError("hold: expected 0 where the end is free, for the arm may not be at rest there")
+            raise ValueError("hold: expected 0 if the end is free, because the arm may not be at rest there")
         return self
 
     @property

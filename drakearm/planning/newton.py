@@ -1,8 +1,8 @@
-"""Newton's way to a plan: sequential quadratic programming, for problems whose costs are squares.
+"""The Gauss-Newton method: sequential quadratic programming for problems whose costs are sums of squares.
 
-SNOPT has to learn the costs' curvature step by step; here it is known. Quadratic costs stay as they are, other squares
-are linearized inside (Gauss and Newton), and so are the constraints: each iteration is a convex quadratic program.
-Most movements take four of them, where SNOPT takes thirty evaluations of ten times the work.
+SNOPT has to learn the curvature of the costs step by step. Here it is known: quadratic costs are used as they are, and
+of the square of a function the function is linearized. Constraints are linearized too, so each iteration is a convex
+quadratic program. Most movements take four iterations. SNOPT takes thirty evaluations, each of ten times the work.
 """
 
 import numpy as np
@@ -12,19 +12,19 @@ from drakearm.planning.defects import defects
 from drakearm.planning.problem import Nonlinear, Problem
 
 ITERATIONS = 40
-_SETTLED = 1e-4  # rad, rad/s, Nm: the last step
-_FEASIBLE = 1e-5  # largest defect (rad/s, rad/s^2) and clearance missed (m)
+_SETTLED = 1e-4  # rad, rad/s, Nm: largest change in the last iteration
+_FEASIBLE = 1e-5  # largest defect (rad/s, rad/s^2) and largest lack of clearance (m)
 
 
 def newton_solver_name() -> str:
-    """What solves the quadratic programs."""
+    """The method and the solver of its quadratic programs, as plans report them."""
     return f"Gauss-Newton ({ClarabelSolver.id().name()})"
 
 
 def solve_newton(problem: Problem) -> tuple[MathematicalProgramResult | None, int]:
-    """The solution from the problem's guess on, and how many iterations it took; None where they do not settle.
+    """The solution, starting at the problem's guess, and the number of iterations; None if these do not converge.
 
-    Steps are not shortened: where that fails, or where a cost is no square, another solver must do.
+    Steps are never shortened. If they do not converge, or if a cost is not a sum of squares, another solver is needed.
     """
     if not (problem.only_squares and ClarabelSolver().available()):
         return None, 0
@@ -62,8 +62,8 @@ class _LinearMotion:
     """The defects (rows,) and their Jacobian (rows, 3 n_q N) by all knots' q, v and tau."""
 
     def __init__(self, problem: Problem, index: np.ndarray):
-        """index: (N, 3 n_q), of the knots' variables in x."""
-        self._dynamics, self._index = problem.skeleton.dynamics, index
+        """index: (N, 3 n_q), places of the knots' variables in x."""
+        self._dynamics, self._index = problem.model.dynamics, index
         self._step = problem.times[1] - problem.times[0]
         n_knots, n_z = index.shape
         n_x = 2 * n_z // 3
@@ -108,7 +108,7 @@ class _Linear:
             self._constraint.evaluator().UpdateCoefficients(jacobian, least, np.full(len(value), np.inf))
 
     def missed(self, x: np.ndarray) -> float:
-        """By how much the inequality is not met, in its own unit."""
+        """By how much the inequality is violated, in its own unit."""
         if self._term.least is None:
             return 0.0
         return float(np.max(self._term.least - self._term.function(x[self._index])[0]))

@@ -1,4 +1,4 @@
-"""Optimal control of the skeleton: from a movement to a reference."""
+"""Optimal control of an arm with motors: from a movement to a plan."""
 
 import time
 from dataclasses import replace
@@ -14,16 +14,15 @@ from drakearm.model.motion import Motion
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning.collocation import solve
-from drakearm.planning.guess import transcribe_movement
 from drakearm.planning.movement import Movement, in_degrees
+from drakearm.planning.planning_model import PlanningModel
 from drakearm.planning.receding_horizon import RecedingHorizon
 from drakearm.planning.request import check_request
-from drakearm.planning.resample import make_reference
-from drakearm.planning.result import Plan
-from drakearm.planning.skeleton import Skeleton
+from drakearm.planning.result import Plan, make_reference
+from drakearm.planning.transcription import transcribe_movement
 from drakearm.planning.verification import check, verify
 
-_TOO_SHORT = 1e9  # stands for the cost of a duration without a plan
+_TOO_SHORT = 1e9  # cost of a duration for which there is no plan
 
 
 def plan(
@@ -35,33 +34,34 @@ def plan(
 ) -> Plan:
     """The movement of least cost within the limits of joints, speeds and torques, and clear of the obstacle.
 
-    load_mass: kg, in the hand. The movement starts at rest in equilibrium, and ends so unless its end is free: the
-    torques there hold the arm against gravity, so the acceleration starts and ends at zero. Raises PlanningError, in
-    one sentence, where the movement does not fit the arm or has no plan.
+    load_mass: kg, in the hand. The movement starts at rest in equilibrium: the torques hold the arm against gravity and
+    the acceleration is zero. It also ends so, unless its end is free. Raises PlanningError, with one sentence, if the
+    movement does not fit the arm or has no plan.
 
-    horizon: s, plans as Denizdurduran et al. 2022 do: again and again, so far ahead, from where the arm has come to
-    (see `RecedingHorizon`). The plan is then what the arm does; its knots are the control steps.
+    horizon: s. With it the movement is planned as by Denizdurduran et al. 2022: again and again, this many seconds
+    ahead, from the state that the arm has reached (see `RecedingHorizon`). The plan is then the movement that the
+    simulated arm made, and its knots are the control steps.
     """
     began = time.perf_counter()
-    skeleton = Skeleton(arm, load_mass, obstacle)
-    check_request(skeleton, movement)
+    model = PlanningModel(arm, load_mass, obstacle)
+    check_request(model, movement)
     if horizon is not None:
-        found = _recede(skeleton, movement, load_mass, horizon)
+        found = _plan_receding(model, movement, load_mass, horizon)
     elif isinstance(movement.duration, tuple):
-        found = _best_duration(skeleton, movement)
+        found = _best_duration(model, movement)
     else:
-        found = _plan(skeleton, movement)
+        found = _plan(model, movement)
     return replace(found, seconds=time.perf_counter() - began)
 
 
-def _plan(skeleton: Skeleton, movement: Movement) -> Plan:
-    """The best movement of a fixed duration."""
+def _plan(model: PlanningModel, movement: Movement) -> Plan:
+    """The movement of least cost with a fixed duration."""
     what = f"from {in_degrees(movement.start_deg)} to {in_degrees(movement.target_deg)} in {movement.duration:g} s"
-    solution = solve(transcribe_movement(skeleton, movement), movement.costs, what)
-    verification = verify(skeleton, movement, solution.motion)
+    solution = solve(transcribe_movement(model, movement), movement.costs, what)
+    verification = verify(model, movement, solution.motion)
     check(verification, movement)
     return Plan(
-        reference=make_reference(skeleton.plant, solution.motion.states, solution.motion.inputs, movement.hold),
+        reference=make_reference(model.plant, solution.motion, movement.hold),
         solver=solution.solver,
         status=solution.status,
         iterations=solution.iterations,
@@ -75,11 +75,11 @@ def _plan(skeleton: Skeleton, movement: Movement) -> Plan:
     )
 
 
-def _recede(skeleton: Skeleton, movement: Movement, load_mass: float, horizon: float) -> Plan:
-    """What the arm does under model predictive control, judged as a plan."""
-    planner = RecedingHorizon(skeleton, movement, horizon)
+def _plan_receding(model: PlanningModel, movement: Movement, load_mass: float, horizon: float) -> Plan:
+    """The movement of the arm under model predictive control, in the form of a plan."""
+    planner = RecedingHorizon(model, movement, horizon)
     assert isinstance(movement.duration, float)
-    loop = MakeMpcLoop(skeleton.arm, planner, load_mass)
+    loop = MakeMpcLoop(model.arm, planner, load_mass)
     reference = loop.Run(movement.start, movement.duration + movement.hold)
     moving = slice(round(movement.duration / CONTROL_STEP) + 1)
     t, q, v, a, tau = (getattr(reference, name)[moving] for name in ("t", "q", "v", "a", "tau"))
@@ -87,7 +87,7 @@ def _recede(skeleton: Skeleton, movement: Movement, load_mass: float, horizon: f
         PiecewisePolynomial.CubicHermite(t, np.hstack([q, v]).T, np.hstack([v, a]).T),
         PiecewisePolynomial.FirstOrderHold(t, tau.T),
     )
-    verification = verify(skeleton, movement, motion)
+    verification = verify(model, movement, motion)
     check(verification, movement)
     return Plan(
         reference=reference,
@@ -104,21 +104,22 @@ def _recede(skeleton: Skeleton, movement: Movement, load_mass: float, horizon: f
     )
 
 
-def _best_duration(skeleton: Skeleton, movement: Movement) -> Plan:
+def _best_duration(model: PlanningModel, movement: Movement) -> Plan:
     """The plan of least cost among all durations, in whole control steps.
 
-    The costs of a fixed duration are quadratic and quick; searching the one number left is cheaper than to let it make
-    them all nonlinear.
+    With a fixed duration most costs are quadratic, so a plan is found quickly. A search over the duration takes less
+    time than one problem in which the duration is a variable, because there all costs are nonlinear.
     """
     assert isinstance(movement.duration, tuple)
     shortest, longest = movement.duration
     plans: dict[int, Plan | PlanningError] = {}
 
     def cost(duration: float) -> float:
+        """Of the best plan. Without one, a shorter duration costs more, so that the search turns to longer ones."""
         steps = round(duration / CONTROL_STEP)
         if steps not in plans:
             try:
-                plans[steps] = _plan(skeleton, replace(movement, duration=round(steps * CONTROL_STEP, 6)))
+                plans[steps] = _plan(model, replace(movement, duration=round(steps * CONTROL_STEP, 6)))
             except PlanningError as error:
                 plans[steps] = error
         found = plans[steps]

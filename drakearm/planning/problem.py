@@ -1,4 +1,4 @@
-"""The movement as a nonlinear program: knots with their variables, constraints with names, costs with a scale."""
+"""The movement as a nonlinear program: knots with variables, constraints with names, costs with a common scale."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -11,14 +11,14 @@ from pydrake.solvers import Cost as DrakeCost
 from pydrake.symbolic import Variable
 
 from drakearm.errors import PlanningError
-from drakearm.planning.skeleton import Skeleton
+from drakearm.planning.planning_model import PlanningModel
 
 Differentiable = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # x (n,) to values (m,) and Jacobian (m, n)
 
 
 @dataclass(frozen=True)
 class NamedConstraint:
-    """A constraint as a user knows it: its rows happen at `times` (s), its violation has a unit."""
+    """A constraint with the name and unit that messages use. times: s, one for each of its rows."""
 
     name: str
     unit: str
@@ -28,7 +28,7 @@ class NamedConstraint:
 
 @dataclass(frozen=True)
 class Nonlinear:
-    """A differentiable function of some variables: either its square costs, or it has a least value."""
+    """A differentiable function of some variables: its square is a cost, or its values are at least `least`."""
 
     function: Differentiable
     variables: np.ndarray
@@ -38,20 +38,20 @@ class Nonlinear:
 
 @dataclass
 class Problem:
-    """A collocation with knots at fixed times: what costs and constraints are added to.
+    """A collocation with knots at fixed times, to which costs and constraints are added.
 
-    constraints: those that a solver may fail to meet. limits: those that a user could raise.
+    constraints: those that a solver may fail to satisfy. limits: those that a user can change.
     """
 
     collocation: DirectCollocation
-    skeleton: Skeleton
+    model: PlanningModel
     times: np.ndarray  # of the knots, s from the start of the movement
     target: np.ndarray  # (n_q,) rad
     constraints: list[NamedConstraint] = field(default_factory=list)
     limits: list[NamedConstraint] = field(default_factory=list)
-    nonlinear: list[Nonlinear] = field(default_factory=list)  # squares and inequalities
+    nonlinear: list[Nonlinear] = field(default_factory=list)  # squares and inequalities, for `solve_newton`
     only_squares: bool = True  # whether every cost is a sum of squares
-    cost_scale: float = 1.0  # by which the solver's costs are larger than those asked for
+    cost_scale: float = 1.0  # factor on all costs, only inside the solver
 
     @property
     def prog(self) -> MathematicalProgram:
@@ -59,7 +59,7 @@ class Problem:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        return self.skeleton.coordinates
+        return self.model.coordinates
 
     @property
     def shares(self) -> np.ndarray:
@@ -77,15 +77,18 @@ class Problem:
         return self.collocation.input(knot)
 
     def add_cost(self, function: Differentiable, variables: np.ndarray) -> Binding[DrakeCost]:
-        """Adds a cost of any form; function: its value (1,) and gradient (1, n) at the variables (n,).
+        """Adds a cost of any form. function: from variables (n,) to the cost's value (1,) and its gradient (1, n).
 
-        Squares are better off with `add_squares`.
+        For sums of squares use `add_squares`, so that they can be solved with `solve_newton`.
         """
         self.only_squares = False
         return self._add_function(function, variables)
 
     def add_squares(self, function: Differentiable, weight: float, variables: np.ndarray) -> Binding[DrakeCost]:
-        """Adds weight times the sum of a function's squares; function: values (m,) and Jacobian (m, n)."""
+        """Adds weight times the sum of squares of a function's values.
+
+        function: from variables (n,) to values (m,) and their Jacobian (m, n).
+        """
 
         def cost(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             value, jacobian = function(x)
@@ -104,15 +107,16 @@ class Problem:
     def add_limit(
         self, name: str, unit: str, limit: float, knots: Sequence[int], variables: Sequence[Variable]
     ) -> None:
-        """Keeps one variable of each of some knots within +-limit."""
+        """Keeps one variable of each of these knots between -limit and limit."""
         binding = self.prog.AddBoundingBoxConstraint(-limit, limit, np.array(variables))
         binding.evaluator().set_description(name)
         self.limits.append(NamedConstraint(name, unit, self.times[list(knots)], binding))
 
     def add_clearance(self, function: Differentiable, rows: int, least: float, name: str, knot: int) -> None:
-        """Keeps all rows of function(q), in m, above `least` at a knot and in the middle of the interval before it.
+        """Keeps all values of function(q), m, above `least` at a knot and in the middle of the interval before it.
 
-        There the collocation's cubic splines are at (q_0 + q_1) / 2 + h (v_0 - v_1) / 8.
+        In the middle the collocation's cubic splines have q = (q_0 + q_1) / 2 + h (v_0 - v_1) / 8. rows: the number of
+        values.
         """
         n_q, step = len(self.coordinates), self.times[knot] - self.times[knot - 1]
         middle = np.kron([0.5, 0.125 * step, 0.5, -0.125 * step], np.eye(n_q))
@@ -130,7 +134,7 @@ class Problem:
             self.nonlinear.append(Nonlinear(clearance, variables, least=least))
 
     def scale_costs(self, bindings: Sequence[Binding], scale: float) -> None:
-        """Multiplies all costs, which are these bindings, by a scale: only the ratio of their weights matters."""
+        """Multiplies all costs by a scale, which does not change the solution. bindings: all costs of the problem."""
         self.cost_scale = scale
         for binding in bindings:
             cost = binding.evaluator()
@@ -144,14 +148,14 @@ class Problem:
         return self.coordinates.index(name)
 
     def weights(self, weight: float | Sequence[float]) -> np.ndarray:
-        """Weights (n_q,) from one for all coordinates or one for each.
-
-        Raises PlanningError for another number of them.
-        """
+        """Weights (n_q,), from one for all coordinates or one for each. Raises PlanningError for another number."""
         return self.per_coordinate(weight, "weights")
 
     def per_coordinate(self, values: float | Sequence[float] | np.ndarray, what: str) -> np.ndarray:
-        """Values (n_q,) from one for all coordinates or one for each. Raises PlanningError for another number."""
+        """Values (n_q,), from one for all coordinates or one for each. Raises PlanningError for another number.
+
+        what: names the values in the error, as "weights".
+        """
         array = np.atleast_1d(np.asarray(values, dtype=float))
         if len(array) not in (1, len(self.coordinates)):
             raise PlanningError(
@@ -161,7 +165,7 @@ class Problem:
 
 
 def _evaluate(function: Differentiable, x: np.ndarray) -> np.ndarray:
-    """The function's values for x in double or AutoDiffXd, its Jacobian chained onto the derivatives of x."""
+    """The function's values at x, in double or in AutoDiffXd, where its Jacobian multiplies the derivatives of x."""
     if x.dtype != object:
         return function(x)[0]
     value, jacobian = function(ExtractValue(x).ravel())

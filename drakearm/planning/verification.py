@@ -1,4 +1,4 @@
-"""Whether a plan holds between its knots too: its equations of motion and limits, on a dense grid of times."""
+"""Whether a plan also holds between its knots: its equations of motion and its limits, on a dense grid of times."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,18 @@ from drakearm.errors import PlanningError
 from drakearm.model.dynamics import forward_dynamics
 from drakearm.model.motion import Motion
 from drakearm.planning.movement import Movement
-from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.transcription import angle_limits
+from drakearm.planning.planning_model import PlanningModel
 
-GRID = 1e-3  # s
-ANGLE_TOLERANCE = np.deg2rad(0.5)  # by which a spline may leave the limits that its knots keep
+GRID = 1e-3  # s, between two times of the grid
+ANGLE_TOLERANCE = np.deg2rad(0.5)  # by which a spline may exceed the limits between two knots
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What was found on a grid of GRID seconds. Margins are to the nearest limit, negative beyond it.
+    """What the grid of times shows. A margin is the smallest distance to a limit, negative where it is exceeded.
 
-    The defects are how far a spline is from the equations of motion: q' from v, and v' from the skeleton's
-    acceleration.
+    A defect is the largest error of the splines in the equations of motion: q' minus v for the speed, and v' minus the
+    acceleration that the torques give.
     """
 
     speed_defect: float  # rad/s
@@ -33,20 +32,20 @@ class Verification:
     nearest_time: float | None  # s
 
 
-def verify(skeleton: Skeleton, movement: Movement, motion: Motion) -> Verification:
-    """Looks at a motion from its start to its end."""
+def verify(model: PlanningModel, movement: Movement, motion: Motion) -> Verification:
+    """Evaluates a motion from its start to its end."""
     start, end = motion.states.start_time(), motion.states.end_time()
     times = np.linspace(start, end, round((end - start) / GRID) + 1)
     q, v = np.split(motion.states.vector_values(times).T, 2, axis=1)
     q_rate, v_rate = np.split(motion.states.MakeDerivative().vector_values(times).T, 2, axis=1)
     tau = motion.inputs.vector_values(times).T
-    a = np.array([forward_dynamics(*row, skeleton.dynamics) for row in zip(q, v, tau, strict=True)])
-    lower, upper = angle_limits(skeleton, movement)
+    a = np.array([forward_dynamics(*row, model.dynamics) for row in zip(q, v, tau, strict=True)])
+    lower, upper = model.angle_limits(movement.angle_limit_deg)
     clearance = nearest_part = nearest_time = None
-    if skeleton.obstacle is not None:
-        distances = np.array([skeleton.clearance(row)[0] for row in q])
+    if model.obstacle is not None:
+        distances = np.array([model.clearance(row)[0] for row in q])
         k, part = np.unravel_index(distances.argmin(), distances.shape)
-        clearance, nearest_part = float(distances[k, part]), skeleton.parts[part]
+        clearance, nearest_part = float(distances[k, part]), model.parts[part]
         nearest_time = float(times[k])
     return Verification(
         speed_defect=float(np.abs(q_rate - v).max()),
@@ -61,15 +60,15 @@ def verify(skeleton: Skeleton, movement: Movement, motion: Motion) -> Verificati
 
 
 def check(found: Verification, movement: Movement) -> None:
-    """Raises PlanningError where a plan that keeps its limits at the knots leaves them in between."""
+    """Raises PlanningError if a plan exceeds the joint limits or comes too near to the obstacle between its knots."""
     if found.angle_margin < -ANGLE_TOLERANCE:
         raise PlanningError(
-            f"Between its knots the plan leaves the joint limits by {np.rad2deg(-found.angle_margin):.2g} deg: "
-            f"expected at most {np.rad2deg(ANGLE_TOLERANCE):.2g}; more than {movement.knots} knots would help."
+            f"Between its knots the plan exceeds the joint limits by {np.rad2deg(-found.angle_margin):.2g} deg: "
+            f"expected at most {np.rad2deg(ANGLE_TOLERANCE):.2g}; use more than {movement.knots} knots."
         )
     if found.clearance is not None and found.clearance < 0.5 * movement.clearance:
         raise PlanningError(
             f"Between its knots the plan has the {found.nearest_part} {100 * found.clearance:.2g} cm from the obstacle "
-            f"at {found.nearest_time:.2f} s: expected at least {50 * movement.clearance:.2g} cm; more than "
-            f"{movement.knots} knots would help."
+            f"at {found.nearest_time:.2f} s: expected at least {50 * movement.clearance:.2g} cm; use more than "
+            f"{movement.knots} knots."
         )

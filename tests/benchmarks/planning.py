@@ -18,12 +18,12 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from drakearm.diagrams import MakeMpcLoop, MakeTorqueArm
+from drakearm.diagrams import MakeMpcLoop
 from drakearm.experiments.scenario import load_scenario
-from drakearm.model import load_arm
+from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.model.dynamics import forward_dynamics
 from drakearm.model.dynamics_table import DynamicsTable, read_dynamics
-from drakearm.planning import HeldJoint, Movement, Posture, RecedingHorizon, Skeleton, Torque, TorqueRate, plan
+from drakearm.planning import HeldJoint, Movement, PlanningModel, Posture, RecedingHorizon, Torque, TorqueRate, plan
 
 try:
     with warnings.catch_warnings():
@@ -162,7 +162,7 @@ def run_plan(movement: Movement) -> tuple[Stopwatch, np.ndarray]:
 def run_receding_horizon(movement: Movement) -> tuple[Stopwatch, np.ndarray]:
     """How long each step of the closed loop takes to plan, and the posture at the end, which is free as do-mpc's is."""
     watch = Stopwatch([], [])
-    planner = RecedingHorizon(Skeleton(ARM), replace(movement, end="free", hold=0.0), HORIZON * STEP)
+    planner = RecedingHorizon(PlanningModel(ARM), replace(movement, end="free", hold=0.0), HORIZON * STEP)
     loop = MakeMpcLoop(ARM, lambda *now: watch(planner, *now))
     return watch, loop.Run(movement.start, (STEPS - 0.5) * STEP).q[-1]
 

@@ -11,8 +11,8 @@ from pydrake.systems.framework import DiagramBuilder
 from rich.console import Console
 from rich.table import Table
 
-from drakearm.diagrams import AddMuscleArm, MakeSimulator, MakeTorqueArm
-from drakearm.model import load_arm
+from drakearm.diagrams import AddMuscleArm, MakeSimulator
+from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.systems import HillMuscles
 
 ARM = load_arm("arm14")

@@ -10,7 +10,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from drakearm.diagrams import MakeMpcLoop
 from drakearm.errors import PlanningError
 from drakearm.experiments.scenario import load_scenario
-from drakearm.planning import Movement, Posture, RecedingHorizon, Skeleton, Torque, plan
+from drakearm.planning import Movement, PlanningModel, Posture, RecedingHorizon, Torque, plan
 
 MOVEMENT = load_scenario("timing-0.7s").movement
 HORIZON = 1.6  # s
@@ -23,8 +23,8 @@ def push(at: float, torque: list[float]) -> PiecewisePolynomial:
 
 
 @pytest.fixture(scope="module")
-def skeleton(arm):
-    return Skeleton(arm)
+def model(arm):
+    return PlanningModel(arm)
 
 
 def test_undisturbed_it_carries_out_the_plan(arm):
@@ -45,8 +45,8 @@ def test_with_the_obstacle_it_stays_clear(arm):
 
 @pytest.mark.parametrize("at", [0.1, 0.35, 0.62, 1.0])
 @pytest.mark.parametrize("torque", [[2.0, 2.0], [-2.0, 2.0]])
-def test_a_pushed_arm_comes_back(arm, skeleton, at, torque):
-    planner = RecedingHorizon(skeleton, MOVEMENT, HORIZON)
+def test_a_pushed_arm_comes_back(arm, model, at, torque):
+    planner = RecedingHorizon(model, MOVEMENT, HORIZON)
     pushed = MakeMpcLoop(arm, planner, disturbance=push(at, torque)).Run(MOVEMENT.start, 1.6)
     during = round(at / 0.01) + 6
     undisturbed = plan(arm, MOVEMENT).reference.q
@@ -56,7 +56,7 @@ def test_a_pushed_arm_comes_back(arm, skeleton, at, torque):
     np.testing.assert_allclose(pushed.v[-1], 0.0, atol=0.01)
 
 
-def test_a_free_end_is_drawn_by_the_costs_at_every_step(arm, skeleton):
+def test_a_free_end_is_drawn_by_the_costs_at_every_step(arm, model):
     costs = [Posture(running=100.0, running_speed=1.0), Torque(weight=0.01)]
     free = Movement(
         start_deg=(0, 0), target_deg=(0, 45), duration=0.8, end="free", hold=0.0, speed_limit=(15, 15),
@@ -66,8 +66,8 @@ def test_a_free_end_is_drawn_by_the_costs_at_every_step(arm, skeleton):
     assert np.abs(found.reference.q[-1] - free.target).max() < 0.1
 
 
-def test_the_prediction_can_be_read_from_its_port(arm, skeleton):
-    loop = MakeMpcLoop(arm, RecedingHorizon(skeleton, MOVEMENT, HORIZON))
+def test_the_prediction_can_be_read_from_its_port(arm, model):
+    loop = MakeMpcLoop(arm, RecedingHorizon(model, MOVEMENT, HORIZON))
     simulator = Simulator(loop.diagram)
     simulator.AdvanceTo(0.06)
     context = loop.controller.GetMyContextFromRoot(simulator.get_context())

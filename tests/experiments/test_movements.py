@@ -7,9 +7,9 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.diagrams import MakeStaticLoop, MakeTorqueArm
+from drakearm.diagrams import MakeStaticLoop
 from drakearm.experiments.scenario import load_scenario, scenario_files
-from drakearm.model import load_arm
+from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.planning import plan
 from drakearm.planning.feasibility import muscle_feasibility
 

@@ -11,12 +11,12 @@ from matplotlib.image import imread
 from typer.testing import CliRunner
 
 from drakearm import cli
-from drakearm.diagrams import MakeTorqueArm
 from drakearm.experiments.plan_picture import draw_plan
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import scenario_files
 from drakearm.experiments.side_view import SideView
 from drakearm.experiments.steps import plan_step
+from drakearm.model import MakeTorqueArm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 

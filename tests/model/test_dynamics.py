@@ -1,12 +1,14 @@
-"""The compiled equations of motion agree with the plant they were read off."""
+"""The compiled equations of motion agree with the plant from which they are derived."""
 
 import numpy as np
 import pytest
+from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import FixedOffsetFrame, RevoluteJoint, SpatialInertia, UnitInertia
 
-from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import ArmError
+from drakearm.model import MakeTorqueArm
 from drakearm.model.dynamics import forward_dynamics, forward_dynamics_lanes, make_dynamics_lanes
 from drakearm.model.dynamics_table import read_dynamics, stack_dynamics
 
@@ -39,8 +41,59 @@ def test_any_chain_of_revolute_joints(joints):
     assert_same_accelerations(make_chain(joints))
 
 
+def make_double_pendulum():
+    """1 kg at the ends of two massless links of 1 m that hang down, in gravity of 10 m/s^2."""
+    plant = MultibodyPlant(0.0)
+    parent, p_PJ = plant.world_body(), (0.0, 0.0, 0.0)
+    for name in ("first", "second"):
+        link = plant.AddRigidBody(name, SpatialInertia(1.0, (0.0, -1.0, 0.0), UnitInertia(1.0, 0.0, 1.0)))
+        frame = plant.AddFrame(FixedOffsetFrame(f"{name}_joint", parent.body_frame(), RigidTransform(p_PJ)))
+        plant.AddJoint(RevoluteJoint(name, frame, link.body_frame(), (0.0, 0.0, 1.0)))
+        parent, p_PJ = link, (0.0, -1.0, 0.0)
+    plant.mutable_gravity_field().set_gravity_vector((0.0, -10.0, 0.0))
+    plant.Finalize()
+    return plant
+
+
+def test_table_of_a_double_pendulum():
+    """The example in the docstring of `DynamicsTable`."""
+    expected = {
+        "mass_entry": [[0, 0], [0, 1], [1, 1], [0, 0], [0, 1]],
+        "mass_basis": [[0, 0], [0, 0], [0, 0], [0, 1], [0, 1]],
+        "mass_coefficient": [3, 1, 1, 2, 1],
+        "gravity_entry": [0, 1, 0, 0, 1],
+        "gravity_basis": [[1, 2], [1, 2], [2, 0], [2, 1], [2, 1]],
+        "gravity_coefficient": [-10, -10, -20, -10, -10],
+        "mass_product": [0, 0, 0, 5, 5],
+        "gravity_product": [9, 9, 2, 10, 10],
+        "factors": [[1, 6], [2, 5]],
+        "slope_entry": [[0, 0, 1], [0, 1, 1]],
+        "slope_term": [[0, 3, 6, -1], [1, 4, 6, -1]],
+    }
+    found = read_dynamics(make_double_pendulum())
+    assert list(expected) == list(found._fields)
+    for name, values in expected.items():
+        np.testing.assert_allclose(getattr(found, name), values, atol=1e-13, err_msg=name)
+
+
+def test_a_double_pendulum_falls_as_its_equations_say():
+    """Also those that the docstring of `DynamicsTable` gives."""
+    q, v, tau = np.array([[0.4, -1.1], [2.0, -3.0], [5.0, 1.0]])
+    mass = np.array([[3 + 2 * np.cos(q[1]), 1 + np.cos(q[1])], [1 + np.cos(q[1]), 1]])
+    gravity = np.array([-20 * np.sin(q[0]) - 10 * np.sin(q.sum()), -10 * np.sin(q.sum())])
+    coriolis = np.sin(q[1]) * np.array([-2 * v[0] * v[1] - v[1] ** 2, v[0] ** 2])
+    a = forward_dynamics(q, v, tau, read_dynamics(make_double_pendulum()))
+    np.testing.assert_allclose(mass @ a + coriolis, tau + gravity, atol=1e-12)
+
+
+def test_the_same_plant_gives_the_same_table_bit_for_bit(arm):
+    first, second = (read_dynamics(MakeTorqueArm(arm, 2.0)) for _ in range(2))
+    for name, table in first._asdict().items():
+        np.testing.assert_array_equal(table, getattr(second, name))
+
+
 def test_skeletons_side_by_side_are_those_of_their_tables(arm):
-    """With different coefficients, and with terms that one of them lacks."""
+    """Also with different coefficients, and if one table lacks terms that another has."""
     empty, loaded = (read_dynamics(MakeTorqueArm(arm, load)) for load in (0.0, 5.0))
     none = {name: getattr(empty, name)[:0] for name in empty._fields if name.startswith("gravity")}
     tables = [empty, empty._replace(**none), loaded]

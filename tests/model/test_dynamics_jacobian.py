@@ -1,11 +1,11 @@
-"""The compiled Jacobian of the accelerations: the plant's automatic differentiation, and finite differences."""
+"""The compiled Jacobian of the accelerations agrees with automatic differentiation and finite differences."""
 
 import numpy as np
 import pytest
 from pydrake.autodiffutils import ExtractGradient, InitializeAutoDiff
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.diagrams import MakeTorqueArm
+from drakearm.model import MakeTorqueArm
 from drakearm.model.dynamics import forward_dynamics
 from drakearm.model.dynamics_jacobian import linearize_dynamics
 from drakearm.model.dynamics_table import read_dynamics
@@ -14,7 +14,7 @@ from ..chains import make_chain
 
 
 def points(n_q: int, count: int) -> np.ndarray:
-    """Angles, speeds and torques (count, 3 n_q) of everyday size and beyond."""
+    """Angles, speeds and torques (count, 3 n_q), usual and larger ones."""
     return np.random.default_rng(0).uniform(-1.0, 1.0, (count, 3 * n_q)) * np.repeat([3.0, 10.0, 20.0], n_q)
 
 
@@ -55,7 +55,7 @@ def test_agrees_with_finite_differences(joints):
         _, jacobian = linearize_dynamics(*np.split(point, 3), table)
         scale = np.abs(jacobian).max()
         for k in range(3 * joints):
-            # Five points: an error of fourth order in the step.
+            # From five points, so that the error is of fourth order in the step.
             ahead, behind, far_ahead, far_behind = (
                 forward_dynamics(*np.split(point + steps * 1e-3 * np.eye(3 * joints)[k], 3), table)
                 for steps in (1, -1, 2, -2)

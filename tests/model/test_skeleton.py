@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import ArmError
+from drakearm.model import MakeTorqueArm
 from drakearm.model.skeleton import add_skeleton
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from drakearm.diagrams import MakeTorqueArm
+from drakearm.model import MakeTorqueArm
 from drakearm.model.musculature import equilibrium_fiber_lengths, mtu_velocity, muscle_geometry, tendon_forces
+from drakearm.model.skeleton import gravity_torque
 from drakearm.model.static_optimization import excitations_to_reach, static_activations, steady_force
 from drakearm.muscle.activation import activation_step
-from drakearm.planning.torques import gravity_torque
 
 POSTURES = np.deg2rad([[0, 0], [0, 90], [-30, 90], [-20, 80], [20, 20], [-40, 120]])
 

@@ -1,16 +1,15 @@
-"""The timing movement with the authors' weights, beside their own trajectory of it."""
+"""The timing movement with the authors' weights, compared with their own trajectory."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from drakearm.diagrams import MakeTorqueArm
-from drakearm.model import Arm
+from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.dynamics import forward_dynamics
 from drakearm.model.dynamics_table import read_dynamics
+from drakearm.model.skeleton import gravity_torque
 from drakearm.planning import HeldJoint, Movement, Posture, Torque, TorqueRate, plan
-from drakearm.planning.torques import gravity_torque
 from tests.authors_pendulum import GRAVITY, LENGTHS, MASS, RODS, authors_pendulum, lighter
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "paper_reference" / "target_of_elbow_fixed_theta0.npy"
@@ -23,7 +22,7 @@ def pendulum(tmp_path_factory) -> Arm:
 
 
 def plan_as_authors(arm: Arm, torque_limit: tuple[float, float]) -> np.ndarray:
-    """The forearm's angle to the vertical, every 10 ms of the first 0.75 s."""
+    """The forearm's angle from the vertical, rad, every 10 ms of the first 0.75 s."""
     movement = Movement(
         start_deg=(0, 0),
         target_deg=(0, 90),
@@ -43,14 +42,14 @@ def plan_as_authors(arm: Arm, torque_limit: tuple[float, float]) -> np.ndarray:
 
 
 def departure(forearm: np.ndarray) -> float:
-    """The largest difference to the authors' forearm, rad."""
+    """The largest difference from the authors' forearm, rad."""
     if not REFERENCE.is_file():
         pytest.skip("the authors' trajectory is not here")
     return float(np.abs(forearm - np.load(REFERENCE)).max())
 
 
 def test_the_pendulum_moves_as_the_authors_wrote(pendulum):
-    """Their equations, in absolute angles and with torques from the world, against the skeleton file's."""
+    """Their equations, in absolute angles and with torques from the world, agree with the skeleton file."""
     upper, fore = LENGTHS["upper_arm"], LENGTHS["forearm"]
     inertia_upper, inertia_fore = (RODS[name] * (LENGTHS[name] / 2) ** 2 / 3 for name in LENGTHS)
     dynamics = read_dynamics(MakeTorqueArm(pendulum))
@@ -73,13 +72,13 @@ def test_the_pendulum_moves_as_the_authors_wrote(pendulum):
 
 @pytest.mark.slow
 def test_their_pendulum_follows_their_trajectory(pendulum):
-    """Theirs also avoids two circles, the last of them at the very end: 0.075 rad without them, in their solver too."""
+    """Theirs also avoids two circles, one of them at its end. Without them their own solver departs by 0.075 rad."""
     assert departure(plan_as_authors(pendulum, (0.7, 0.35))) < 0.1
 
 
 @pytest.mark.slow
 def test_the_masses_explain_how_the_arm_departs(arm, pendulum, tmp_path):
-    """Holding the forearm up costs torque^2, staying down angle^2: the real arm stays down, a lighter one follows."""
+    """To hold the forearm up costs torque^2, to stay down angle^2: the real arm stays down, a lighter one moves up."""
     heavy, light = gravity_torque(MakeTorqueArm(arm), BENT)[1], gravity_torque(MakeTorqueArm(pendulum), BENT)[1]
     assert light**2 < 1 < heavy**2  # (q - pi/2)^2 + (torque sin q)^2 has its minimum at pi/2 only below 1
     assert plan_as_authors(arm, (60, 60)).max() < 0.2

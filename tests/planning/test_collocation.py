@@ -1,4 +1,4 @@
-"""Plans: they meet their ends and limits, hold on the plant, and fail with a reason."""
+"""Plans: they keep to their ends and limits, are right for the plant, and fail with a reason."""
 
 from dataclasses import replace
 
@@ -10,14 +10,22 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import PlanningError
-from drakearm.model import load_arm
+from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.model.points import point_positions
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.planning import Duration, HandPosition, HeldJoint, Movement, Posture, Torque, TorqueRate, plan
-from drakearm.planning.skeleton import Skeleton
-from drakearm.planning.torques import gravity_torque, inverse_dynamics
+from drakearm.model.skeleton import gravity_torque, movement_torques
+from drakearm.planning import (
+    Duration,
+    HandPosition,
+    HeldJoint,
+    Movement,
+    PlanningModel,
+    Posture,
+    Torque,
+    TorqueRate,
+    plan,
+)
 
 ARM = load_arm("arm14")
 TIMING = Movement(
@@ -59,7 +67,7 @@ def test_reference_is_sampled_at_control_steps_and_includes_the_hold(timing):
 
 def test_reference_satisfies_the_equations_of_motion(timing):
     r = timing.reference
-    torques = inverse_dynamics(MakeTorqueArm(ARM), r.q, r.v, r.a)
+    torques = movement_torques(MakeTorqueArm(ARM), r.q, r.v, r.a)
     np.testing.assert_allclose(torques, r.tau, atol=1e-8)
     np.testing.assert_allclose(np.gradient(r.q[:, 1], r.t)[1:-1], r.v[1:-1, 1], atol=0.01)
 
@@ -75,7 +83,7 @@ def test_timing_holds_the_upper_arm_and_bends_the_elbow_in_one_bell(timing):
 
 @pytest.mark.parametrize(("movement", "load_mass"), [(TIMING, 0.0), (SHORT, 0.0), (TIMING, 5.0)])
 def test_torques_hold_on_the_plant(movement, load_mass):
-    """Planned on equations derived from the plant, judged by the plant itself."""
+    """The plan comes from equations derived from the plant; the test uses the plant itself."""
     found = plan(ARM, movement, load_mass)
     builder = DiagramBuilder()
     plant = builder.AddSystem(MakeTorqueArm(ARM, load_mass, torque_limit=np.array(movement.torque_limit)))
@@ -136,7 +144,7 @@ def test_a_hand_position_draws_the_free_end_there():
     goal = (0.25, 0.45, None)
     costs = [HandPosition(position=goal, final=1e4), Posture(final_speed=1.0), TorqueRate(weight=0.01)]
     found = plan(ARM, replace(SHORT, end="free", hold=0.0, costs=costs))
-    tip = point_positions(found.q[-1], Skeleton(ARM).tip)[0][0]
+    tip = point_positions(found.q[-1], PlanningModel(ARM).tip)[0][0]
     np.testing.assert_allclose(tip[:2], goal[:2], atol=5e-3)
     assert np.abs(found.q[-1] - SHORT.target).max() > 0.1  # not where the movement's target is
 

@@ -8,9 +8,8 @@ from pydantic.dataclasses import dataclass
 from pydrake.planning import DirectCollocation
 from pydrake.systems.framework import InputPortIndex
 
-from drakearm.diagrams import MakeTorqueArm
 from drakearm.errors import PlanningError
-from drakearm.model import load_arm
+from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.planning import (
     Cost,
@@ -19,6 +18,7 @@ from drakearm.planning import (
     HandPosition,
     HeldJoint,
     ObstacleDistance,
+    PlanningModel,
     Posture,
     Problem,
     SwitchedTarget,
@@ -26,7 +26,6 @@ from drakearm.planning import (
     TorqueRate,
 )
 from drakearm.planning.costs import RATE_STEP
-from drakearm.planning.skeleton import Skeleton
 
 DURATION = 0.8
 TARGET = np.array([0.2, 1.0])
@@ -44,11 +43,11 @@ OBSTACLE = Obstacle(position=(0.3, 0.3, 0.2), radius=0.03)
 
 
 def make_problem(knots: int, obstacle: Obstacle | None = None) -> Problem:
-    skeleton = Skeleton(load_arm("arm14"), obstacle=obstacle)
+    model = PlanningModel(load_arm("arm14"), obstacle=obstacle)
     step = DURATION / (knots - 1)
-    context = skeleton.system.CreateDefaultContext()
-    collocation = DirectCollocation(skeleton.system, context, knots, step, step, InputPortIndex(0))
-    return Problem(collocation, skeleton, np.linspace(0.0, DURATION, knots), TARGET)
+    context = model.system.CreateDefaultContext()
+    collocation = DirectCollocation(model.system, context, knots, step, step, InputPortIndex(0))
+    return Problem(collocation, model, np.linspace(0.0, DURATION, knots), TARGET)
 
 
 def value(cost: CostPiece, knots: int, obstacle: Obstacle | None = None, **trajectories) -> float:
@@ -161,6 +160,15 @@ def test_a_cost_of_ones_own_is_known_to_scenario_files():
 
     (cost,) = TypeAdapter(list[Cost]).validate_python([{"type": "jolt", "weight": 3.0}])
     assert value(cost, 5, tau=constant([2.0, 9.0])) == pytest.approx(12.0)
+    with pytest.raises(ValidationError, match=r"jolt\.wieght"):
+        TypeAdapter(Cost).validate_python({"type": "jolt", "weight": 3.0, "wieght": 1.0})
+
+
+def test_a_cost_of_ones_own_needs_a_type_of_its_own():
+    with pytest.raises(TypeError, match=r"has the type 'torque' of drakearm\.planning\.costs\.Torque"):
+
+        class Effort(CostPiece):
+            type = "torque"
 
 
 def test_costs_load_from_yaml():
@@ -184,6 +192,9 @@ def test_costs_load_from_yaml():
         ("{type: torques, weight: 1}", "held_joint"),
         ("{type: torque, weight: -1}", "weight"),
         ("{type: held_joint, joint: elbow, weight: 1}", "angle_deg"),
+        ("{type: [[]], weight: 1}", "type: found .*held_joint"),
+        ("{weight: 1}", "type: found None.*held_joint"),
+        ("torque", "expected a mapping with a type.*held_joint"),
     ],
 )
 def test_wrong_yaml_is_refused_with_the_name_of_the_field(text, named):

@@ -1,10 +1,10 @@
-"""Feasibility: what the muscles can and cannot do of a movement, and how that is said."""
+"""Feasibility: whether the muscles can do a movement, and how the verdict says so."""
 
 import numpy as np
 
-from drakearm.diagrams import MakeTorqueArm
+from drakearm.model import MakeTorqueArm
+from drakearm.model.skeleton import movement_torques
 from drakearm.planning.feasibility import muscle_feasibility
-from drakearm.planning.torques import inverse_dynamics
 
 
 def test_the_empty_hand_is_feasible(arm, reference):
@@ -13,7 +13,7 @@ def test_the_empty_hand_is_feasible(arm, reference):
     assert feasibility.verdict.startswith("The muscles can do it")
     assert feasibility.activation.shape == (len(reference.t), 14)
     np.testing.assert_allclose(feasibility.reserve, 0.0, atol=0.01)
-    expected = inverse_dynamics(MakeTorqueArm(arm), reference.q, reference.v, reference.a)
+    expected = movement_torques(MakeTorqueArm(arm), reference.q, reference.v, reference.a)
     np.testing.assert_allclose(feasibility.required, expected)
 
 

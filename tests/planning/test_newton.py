@@ -1,4 +1,4 @@
-"""Newton's way: its defects are DirectCollocation's, and its optimum is SNOPT's."""
+"""The Gauss-Newton method: its defects are those of DirectCollocation, and its optimum is that of SNOPT."""
 
 from dataclasses import replace
 
@@ -7,10 +7,9 @@ import pytest
 
 from drakearm.experiments.scenario import load_scenario
 from drakearm.model import load_arm
-from drakearm.planning import collocation, plan
+from drakearm.planning import PlanningModel, collocation, plan
 from drakearm.planning.defects import defects
 from drakearm.planning.guess import straight_guess
-from drakearm.planning.skeleton import Skeleton
 from drakearm.planning.transcription import transcribe
 
 ARM = load_arm("arm14")
@@ -19,13 +18,13 @@ ARM = load_arm("arm14")
 @pytest.fixture(scope="module")
 def problem():
     movement = load_scenario("timing-0.7s").movement
-    skeleton, times = Skeleton(ARM, 2.0), np.linspace(0.0, 0.7, 9)
-    start = (np.zeros(4), skeleton.gravity_torque(movement.start))
-    return transcribe(skeleton, movement, times, start, straight_guess(skeleton, movement, times), arrives=True)
+    model, times = PlanningModel(ARM, 2.0), np.linspace(0.0, 0.7, 9)
+    start = (np.zeros(4), model.gravity_torque(movement.start))
+    return transcribe(model, movement, times, start, straight_guess(model, movement, times), arrives=True)
 
 
 def places(problem) -> np.ndarray:
-    """Where the knots' q, v and tau are among the variables, (N, 6)."""
+    """The places of the knots' q, v and tau among the variables, (N, 6)."""
     knots = [[*problem.collocation.state(k), *problem.tau(k)] for k in range(len(problem.times))]
     return np.array([problem.prog.FindDecisionVariableIndices(np.array(knot)) for knot in knots])
 
@@ -36,13 +35,13 @@ def test_defects_are_those_of_direct_collocation(problem):
         x = problem.prog.initial_guess()
         x[places(problem)] += rng.normal(size=(9, 6))
         theirs = [problem.prog.EvalBinding(binding, x) for binding in problem.prog.generic_constraints()]
-        ours, _ = defects(x[places(problem)], problem.times[1], problem.skeleton.dynamics)
+        ours, _ = defects(x[places(problem)], problem.times[1], problem.model.dynamics)
         np.testing.assert_allclose(ours, theirs, atol=1e-9)
 
 
 def test_derivatives_of_the_defects(problem):
     z = problem.prog.initial_guess()[places(problem)] + np.random.default_rng(1).normal(size=(9, 6))
-    step, dynamics = problem.times[1], problem.skeleton.dynamics
+    step, dynamics = problem.times[1], problem.model.dynamics
     _, jacobian = defects(z, step, dynamics)
     for k in (0, 5):
         for j in range(12):
@@ -65,7 +64,7 @@ def test_the_optimum_is_that_of_snopt(name, monkeypatch):
     np.testing.assert_allclose(newton.q, other.q, atol=0.01)
 
 
-def test_snopt_takes_over_where_newton_does_not_settle(monkeypatch):
+def test_snopt_takes_over_where_newton_does_not_converge(monkeypatch):
     monkeypatch.setattr("drakearm.planning.newton.ITERATIONS", 1)
     found = plan(ARM, replace(load_scenario("timing-0.7s").movement, knots=9))
     assert found.solver == "SNOPT" and found.iterations > 1

@@ -1,4 +1,4 @@
-"""Obstacles: distances are SceneGraph's, plans go around, and what cannot is refused."""
+"""Obstacles: distances agree with SceneGraph, plans go around, and impossible movements are refused."""
 
 from dataclasses import replace
 
@@ -14,8 +14,7 @@ from drakearm.experiments.scenario import load_scenario
 from drakearm.model import load_arm
 from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.skeleton import add_skeleton
-from drakearm.planning import plan
-from drakearm.planning.skeleton import Skeleton
+from drakearm.planning import PlanningModel, plan
 
 ARM = load_arm("arm14")
 OBSTACLE = Obstacle(position=(0.3, 0.35, 0.17), axis=(0.1, -0.2, 1.0), radius=0.04)
@@ -60,29 +59,29 @@ def test_clearance_is_the_distance_that_scene_graph_measures(scene, seed):
     plant.SetPositions(plant.GetMyMutableContextFromRoot(root), q)
     query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(root))
     measured = [query.ComputeSignedDistancePairClosestPoints(part, obstacle).distance for part in parts]
-    found, _ = Skeleton(ARM, obstacle=OBSTACLE).clearance(q)
+    found, _ = PlanningModel(ARM, obstacle=OBSTACLE).clearance(q)
     np.testing.assert_allclose(found, measured, atol=1e-4)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_derivatives_of_the_clearance(seed):
-    skeleton = Skeleton(ARM, obstacle=OBSTACLE)
+    model = PlanningModel(ARM, obstacle=OBSTACLE)
     q = np.random.default_rng(seed).uniform([-1.0, 0.0], [1.5, 2.2])
-    _, derivative = skeleton.clearance(q)
+    _, derivative = model.clearance(q)
     step = 1e-6 * np.eye(2)
-    differences = [(skeleton.clearance(q + h)[0] - skeleton.clearance(q - h)[0]) / 2e-6 for h in step]
+    differences = [(model.clearance(q + h)[0] - model.clearance(q - h)[0]) / 2e-6 for h in step]
     np.testing.assert_allclose(derivative, np.transpose(differences), atol=1e-7)
 
 
 def test_the_shipped_obstacle_is_in_the_way_and_is_passed():
     with_bar, without = load_scenario("obstacle"), load_scenario("no-obstacle")
     assert without.obstacle is None and with_bar.movement.target_deg == without.movement.target_deg
-    skeleton = Skeleton(ARM, obstacle=with_bar.obstacle)
+    model = PlanningModel(ARM, obstacle=with_bar.obstacle)
     straight = plan(ARM, without.movement).reference.q
-    assert min(skeleton.clearance(q)[0].min() for q in straight) < -0.02
+    assert min(model.clearance(q)[0].min() for q in straight) < -0.02
     found = plan(ARM, with_bar.movement, obstacle=with_bar.obstacle)
     states = found.reference.trajectory()
-    dense = [skeleton.clearance(states.value(t).ravel())[0].min() for t in np.arange(0.0, 0.8, 5e-4)]
+    dense = [model.clearance(states.value(t).ravel())[0].min() for t in np.arange(0.0, 0.8, 5e-4)]
     assert min(dense) > 0.005
     assert found.verification.clearance == pytest.approx(min(dense), abs=1e-3)
 

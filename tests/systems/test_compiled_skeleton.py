@@ -8,7 +8,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.diagrams import MakeTorqueArm
+from drakearm.model import MakeTorqueArm
 from drakearm.model.dynamics_table import read_dynamics
 from drakearm.systems import CompiledSkeleton
 

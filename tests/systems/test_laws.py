@@ -11,9 +11,9 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 from scipy.integrate import quad
 
-from drakearm.diagrams import AddMuscleArm, MakeSimulator, MakeTorqueArm
+from drakearm.diagrams import AddMuscleArm, MakeSimulator
 from drakearm.learning.compiled_arm import CompiledArms
-from drakearm.model import load_arm
+from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.joint_stops import HARDENING, STOP_STIFFNESS
 from drakearm.model.musculature import resting_states, tendon_forces

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.systems.framework import DiagramBuilder
 
-from drakearm.diagrams import AddMuscleArm, MakeSimulator, MakeTorqueArm
-from drakearm.model import Arm, load_arm
+from drakearm.diagrams import AddMuscleArm, MakeSimulator
+from drakearm.model import Arm, MakeTorqueArm, load_arm
 from drakearm.systems.muscle_visualizer import (
     MuscleDrawing,
     MuscleVisualizer,

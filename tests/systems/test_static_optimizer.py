@@ -3,10 +3,10 @@
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from drakearm.diagrams import MakeTorqueArm
+from drakearm.model import MakeTorqueArm
 from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.skeleton import movement_torques
 from drakearm.model.static_optimization import static_activations
-from drakearm.planning.torques import inverse_dynamics
 from drakearm.systems import StaticOptimizer
 
 POSTURE, STILL = np.deg2rad([-20.0, 80.0]), np.zeros(2)
@@ -24,7 +24,7 @@ def decide(optimizer, q, v, activation, reference):
 
 def activations(arm, q, a, load_mass=0.0):
     """What accelerates the resting arm by a."""
-    (tau,) = inverse_dynamics(MakeTorqueArm(arm, load_mass), q[None], STILL[None], a[None])
+    (tau,) = movement_torques(MakeTorqueArm(arm, load_mass), q[None], STILL[None], a[None])
     wanted, _ = static_activations(q, STILL, tau, np.full(14, 0.1), arm.muscle_table, arm.path_table)
     return wanted
 

@@ -1,0 +1,112 @@
+"""Families of dataclasses that a file chooses from by `type`: what is read, and what is refused with which words."""
+
+import dataclasses
+
+import pytest
+from pydantic.dataclasses import dataclass
+
+from drakearm.model.fields import Positive
+from drakearm.model.kinds import Kind
+
+
+class Shape(Kind):
+    """A family."""
+
+
+@dataclass(frozen=True)
+class Circle(Shape):
+    type = "circle"
+    radius: Positive
+
+
+@dataclasses.dataclass(frozen=True)
+class Box(Shape):
+    type = "box"
+    width: float
+    height: float = 1.0
+
+
+class Sound(Kind):
+    """Another family, which may use the same types."""
+
+
+@dataclass(frozen=True)
+class Circular(Sound):
+    type = "circle"
+
+
+def test_a_mapping_becomes_the_kind_that_it_names():
+    assert Shape.read({"type": "circle", "radius": 2}) == Circle(radius=2.0)
+    assert Shape.read({"type": "box", "width": "3"}) == Box(width=3.0)  # the standard library's dataclasses too
+    assert Sound.read({"type": "circle"}) == Circular()
+
+
+def test_a_member_of_the_family_stays_what_it_is():
+    circle = Circle(radius=1.0)
+    assert Shape.read(circle) is circle
+
+
+@pytest.mark.parametrize("type_", ["ball", "", None, 3, 1.5, True, [], [[]], {}, {"a": {}}])
+def test_what_is_no_type_is_refused_with_those_that_are(type_):
+    with pytest.raises(ValueError, match=r"^type: found .*, expected one of box, circle$") as raised:
+        Shape.read({"type": type_, "radius": 1.0})
+    assert repr(type_) in str(raised.value)
+
+
+def test_a_mapping_without_a_type_is_refused():
+    with pytest.raises(ValueError, match=r"^type: found None, expected one of box, circle$"):
+        Shape.read({"radius": 1.0})
+
+
+@pytest.mark.parametrize("value", ["circle", 3, None, ["circle"], Circular()])
+def test_what_is_no_mapping_is_refused(value):
+    with pytest.raises(ValueError, match=r"^found .*, expected a mapping with a type, one of box, circle$"):
+        Shape.read(value)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"type": "circle"}, r"^circle.radius: "),
+        ({"type": "circle", "radius": -1.0}, r"^circle.radius: .*greater than 0"),
+        ({"type": "circle", "radius": 1.0, "radios": 1.0}, r"^circle.radios: expected one of the fields radius$"),
+        ({"type": "box", "width": 1.0, "hight": 2.0}, r"^box.hight: expected one of the fields width, height$"),
+        ({"type": "box", "width": 1.0, 7: 2.0}, r"^box.7: expected one of"),
+        ({"type": "box", "width": "wide", "height": "high"}, r"^box.width: .*; box.height: "),
+    ],
+)
+def test_a_wrong_field_is_named_with_its_type(fields, message):
+    with pytest.raises(ValueError, match=message):
+        Shape.read(fields)
+
+
+def test_a_type_belongs_to_one_kind_of_a_family():
+    with pytest.raises(TypeError, match=r"Disk has the type 'circle' of .*Circle: expected a type of its own"):
+
+        class Disk(Shape):
+            type = "circle"
+
+    assert Shape.read({"type": "circle", "radius": 1.0}) == Circle(radius=1.0)
+
+
+def test_a_kind_that_derives_from_another_needs_a_type_of_its_own():
+    with pytest.raises(TypeError, match=r"Ring: expected a `type`"):
+
+        class Ring(Circle):
+            pass
+
+
+def test_a_kind_may_be_defined_again():
+    """As in a notebook whose cell runs twice: the last definition counts."""
+
+    def define(default: float) -> type:
+        @dataclass(frozen=True)
+        class Ellipse(Shape):
+            type = "ellipse"
+            eccentricity: float = default
+
+        return Ellipse
+
+    first, last = define(0.1), define(0.2)
+    assert first is not last
+    assert Shape.read({"type": "ellipse"}) == last(eccentricity=0.2)
