@@ -2,14 +2,10 @@
 
 from drakearm.diagrams.mpc_loop import MakeMpcLoop, MpcLoop
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm
-from drakearm.diagrams.policy_loop import MakePolicyLoop, PolicyLoop
+from drakearm.diagrams.policy_loop import MakePolicyLoop
 from drakearm.diagrams.static_loop import MakeStaticLoop
-from drakearm.diagrams.tracking_task import (
-    AddTrackingTask,
-    MakeTrackingTask,
-    TaskSystems,
-    TrackingTask,
-)
+from drakearm.diagrams.tracking_loop import TrackingLoop
+from drakearm.diagrams.tracking_task import AddTrackingTask, MakeTrackingTask, TaskSystems
 
 __all__ = [
     "AddMuscleArm",
@@ -21,7 +17,6 @@ __all__ = [
     "MakeTrackingTask",
     "MpcLoop",
     "MuscleArm",
-    "PolicyLoop",
     "TaskSystems",
-    "TrackingTask",
+    "TrackingLoop",
 ]

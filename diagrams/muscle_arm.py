@@ -10,9 +10,11 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder
 
 from drakearm.model import Arm
+from drakearm.model.equilibrium import Equilibrium, find_equilibrium
+from drakearm.model.musculature import RESTING_ACTIVATION, require_state
 from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.skeleton import add_skeleton
-from drakearm.systems.hill_muscles import RESTING_ACTIVATION, HillMuscles
+from drakearm.systems.hill_muscles import HillMuscles
 from drakearm.systems.joint_stops import JointStops
 
 TIME_STEP = 1e-3  # s
@@ -26,6 +28,7 @@ class MuscleArm:
     plant: MultibodyPlant
     muscles: HillMuscles
     stops: JointStops | None
+    load_mass: float = 0.0  # kg, in the hand
 
     def SetState(
         self,
@@ -34,11 +37,31 @@ class MuscleArm:
         v: np.ndarray | None = None,
         activation: float | np.ndarray = RESTING_ACTIVATION,
     ) -> None:
-        """Puts the joints at q (rad) and v (rad/s, default 0) and the muscles in equilibrium there."""
+        """Puts the joints at q (n_q,), rad, and v (n_q,), rad/s, default 0, and the muscles in equilibrium there.
+
+        activation: one for all muscles or (n,). To set the plant's positions alone is enough before a simulation is
+        initialized, see `HillMuscles`; later it would stretch the tendons in an instant. Raises StateError for another
+        size or numbers that are not finite, and EquilibriumError where a muscle has no equilibrium.
+        """
+        n_q = len(self.arm.coordinates)
+        q = np.asarray(q, dtype=float)
+        v = np.zeros(n_q) if v is None else np.asarray(v, dtype=float)
+        require_state("joint angles", q, (n_q,))
+        require_state("joint speeds", v, (n_q,))
         context = self.plant.GetMyMutableContextFromRoot(root_context)
         self.plant.SetPositions(context, q)
-        self.plant.SetVelocities(context, np.zeros(len(q)) if v is None else v)
+        self.plant.SetVelocities(context, v)
         self.muscles.SetEquilibrium(self.muscles.GetMyMutableContextFromRoot(root_context), q, activation)
+
+    def SetEquilibrium(self, root_context: Context, q: np.ndarray) -> Equilibrium:
+        """Puts the arm at rest at q (n_q,), rad, with muscles that hold it there, and returns their excitations.
+
+        Nothing moves while the muscles get these excitations, so that Drake's `Linearize` works there. Raises
+        EquilibriumError where the muscles are too weak to hold the posture.
+        """
+        equilibrium = find_equilibrium(self.arm, q, self.load_mass)
+        self.SetState(root_context, q, activation=equilibrium.activation)
+        return equilibrium
 
 
 def AddMuscleArm(
@@ -85,11 +108,11 @@ def AddMuscleArm(
         builder.Connect(joint_stops.GetOutputPort("generalized_force"), total.get_input_port(1))
         torque = total.get_output_port()
     builder.Connect(torque, plant.get_applied_generalized_force_input_port())
-    return MuscleArm(arm, plant, muscles, joint_stops)
+    return MuscleArm(arm, plant, muscles, joint_stops, load_mass)
 
 
 def MakeSimulator(diagram: Diagram, time_step: float = TIME_STEP) -> Simulator:
-    """A Simulator with the second-order Runge-Kutta steps that match discrete muscles: fixed, one a muscle step."""
+    """A Simulator with the second-order Runge-Kutta steps that match discrete muscles: fixed, one per muscle step."""
     simulator = Simulator(diagram)
     integrator = ResetIntegratorFromFlags(simulator, "runge_kutta2", time_step)
     integrator.set_fixed_step_mode(True)

@@ -1,83 +1,78 @@
-"""The task that policies learn: follow a reference with the muscles."""
+"""The Diagram of a task: an arm, its reference, senses and reward, without what decides the excitations."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
-from pydrake.systems.primitives import MatrixGain, TrajectorySource
+from pydrake.systems.primitives import Demultiplexer, PassThrough, TrajectorySource
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
-from drakearm.model import Arm
-from drakearm.model.obstacle import Obstacle
-from drakearm.model.reference import Reference
-from drakearm.systems.proprioception import LOOKAHEAD, Proprioception
-from drakearm.systems.tracking_reward import RewardWeights, TrackingReward
-
-
-@dataclass(frozen=True)
-class TrackingTask:
-    """What is to be followed, with what, and how it is sensed and rewarded."""
-
-    arm: Arm
-    reference: Reference
-    reward: RewardWeights
-    observation: str = "full"  # one of `OBSERVATIONS`
-    load_mass: float = 0.0  # kg, in the hand
-    start_noise: float = 0.0  # rad, standard deviation of the joint angles at the start
-    obstacle: Obstacle | None = None  # drawn; the reference goes around it
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.systems.proprioception import Proprioception
+from drakearm.systems.tracking_reward import TrackingReward
+from drakearm.task import StartState, TrackingTask
 
 
 @dataclass(frozen=True)
 class TaskSystems:
-    """The systems of a task in a Diagram. What decides the excitations is still to be connected."""
+    """The systems of a task in a Diagram. Connect what decides the excitations to the input of `excitation`."""
 
     task: TrackingTask
     arm: MuscleArm
-    reference: TrajectorySource
+    excitation: PassThrough
     proprioception: Proprioception
     reward: TrackingReward
 
-    def StartPosture(self, rng: np.random.Generator | None = None) -> np.ndarray:
-        """Joint angles (n_q,) at the start of the reference, plus the start noise if a generator is given."""
-        plant, q = self.arm.plant, self.task.reference.q[0]
-        if rng is not None:
-            q = q + self.task.start_noise * rng.standard_normal(len(q))
-        return np.clip(q, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits())
+    def StartState(self, rng: np.random.Generator | None = None) -> StartState:
+        """A start of the task, with its noise if a generator is given, brought into the joints' ranges."""
+        plant, start = self.arm.plant, self.task.start(self.task.reference, rng)
+        return start._replace(q=np.clip(start.q, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()))
 
-    def Reset(self, root_context: Context, rng: np.random.Generator | None = None) -> None:
-        """Puts the arm at rest in a start posture."""
-        self.arm.SetState(root_context, self.StartPosture(rng))
+    def Reset(self, root_context: Context, rng: np.random.Generator | None = None) -> StartState:
+        """Puts the arm into a start state, which it returns, and the time to that of its place on the reference."""
+        start = self.StartState(rng)
+        root_context.SetTime(start.step * CONTROL_STEP)
+        self.arm.SetState(root_context, start.q, start.v, start.activation)
+        return start
 
 
 def AddTrackingTask(builder: DiagramBuilder, task: TrackingTask, scene_graph: SceneGraph | None = None) -> TaskSystems:
-    """Adds arm, reference, senses and reward to a builder and connects them."""
-    arm = AddMuscleArm(builder, task.arm, load_mass=task.load_mass, scene_graph=scene_graph, obstacle=task.obstacle)
-    reference = builder.AddNamedSystem("reference", TrajectorySource(task.reference.preview_trajectory(LOOKAHEAD), 1))
-    proprioception = builder.AddNamedSystem("proprioception", Proprioception(task.arm, task.observation))
-    sources = {
-        "fiber_length": arm.muscles.GetOutputPort("fiber_length"),
-        "fiber_velocity": arm.muscles.GetOutputPort("fiber_velocity"),
-        "activation": arm.muscles.GetOutputPort("activation"),
-        "arm_state": arm.plant.get_state_output_port(),
-        "reference": reference.get_output_port(),
-    }
-    for i in range(proprioception.num_input_ports()):
-        port = proprioception.get_input_port(i)
-        builder.Connect(sources[port.get_name()], port)
+    """Adds arm, reference, senses and reward to a builder and connects them.
 
-    reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task.reward))
-    n_q, half = len(task.arm.coordinates), len(task.arm.coordinates) * len(LOOKAHEAD)
-    now = np.r_[0:n_q, half : half + n_q]  # of the preview, what is wanted at this moment
-    present = builder.AddNamedSystem("present_reference", MatrixGain(np.eye(2 * half)[now]))
-    builder.Connect(reference.get_output_port(), present.get_input_port())
-    builder.Connect(present.get_output_port(), reward.GetInputPort("reference"))
-    builder.Connect(sources["arm_state"], reward.GetInputPort("arm_state"))
-    builder.Connect(
-        arm.plant.get_generalized_acceleration_output_port(),
-        reward.GetInputPort("arm_acceleration"),
-    )
-    return TaskSystems(task, arm, reference, proprioception, reward)
+    The start of the task is also Drake's: the default posture of the arm is that without noise, and SetRandomContext
+    draws one with noise (`Start.random_posture`).
+    """
+    arm = AddMuscleArm(builder, task.arm, load_mass=task.load_mass, scene_graph=scene_graph, obstacle=task.obstacle)
+    arm.plant.SetDefaultPositions(task.start(task.reference, None).q)
+    for name, angle in zip(task.arm.coordinates, task.start.random_posture(task.reference), strict=True):
+        arm.plant.GetMutableJointByName(name).set_random_angle_distribution(angle)
+
+    n, n_preview = len(task.arm.muscles), len(task.arm.coordinates) * len(task.lookahead)
+    excitation = builder.AddNamedSystem("excitation", PassThrough(n))
+    builder.Connect(excitation.get_output_port(), arm.muscles.GetInputPort("excitation"))
+    reference = builder.AddNamedSystem("reference", TrajectorySource(task.reference.preview_trajectory(), 1))
+    preview = builder.AddNamedSystem("preview", TrajectorySource(task.reference.preview_trajectory(task.lookahead), 1))
+    previews = builder.AddNamedSystem("preview_q_and_v", Demultiplexer(2 * n_preview, n_preview))
+    builder.Connect(preview.get_output_port(), previews.get_input_port())
+    signals = {
+        "arm_state": arm.plant.get_state_output_port(),
+        "arm_acceleration": arm.plant.get_generalized_acceleration_output_port(),
+        "reference": reference.get_output_port(),
+        "preview_q": previews.get_output_port(0),
+        "preview_v": previews.get_output_port(1),
+        "excitation": excitation.get_output_port(),
+    } | {
+        name: arm.muscles.GetOutputPort(name)
+        for name in ("activation", "fiber_length", "fiber_velocity", "tendon_force")
+    }
+    proprioception = builder.AddNamedSystem("proprioception", Proprioception(task))
+    reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
+    for system in (proprioception, reward):
+        for i in range(system.num_input_ports()):
+            port = system.get_input_port(i)
+            builder.Connect(signals[port.get_name()], port)
+    return TaskSystems(task, arm, excitation, proprioception, reward)
 
 
 def MakeTrackingTask(task: TrackingTask) -> tuple[Diagram, TaskSystems]:
@@ -88,13 +83,12 @@ def MakeTrackingTask(task: TrackingTask) -> tuple[Diagram, TaskSystems]:
     """
     builder = DiagramBuilder()
     systems = AddTrackingTask(builder, task)
-    muscles = systems.arm.muscles
-    builder.ExportInput(muscles.GetInputPort("excitation"), "actions")
+    builder.ExportInput(systems.excitation.get_input_port(), "actions")
     builder.ExportOutput(systems.proprioception.get_output_port(), "observations")
     builder.ExportOutput(systems.reward.GetOutputPort("reward"), "reward")
     builder.ExportOutput(systems.arm.plant.get_state_output_port(), "arm_state")
     builder.ExportOutput(systems.reward.GetOutputPort("tracking_error"), "tracking_error")
-    builder.ExportOutput(muscles.GetOutputPort("activation"), "activation")
+    builder.ExportOutput(systems.arm.muscles.GetOutputPort("activation"), "activation")
     diagram = builder.Build()
     diagram.set_name("tracking_task")
     return diagram, systems

@@ -25,6 +25,14 @@ class PlanningError(DrakearmError):
     """An optimal-control problem that has no solution, or for which the solver found none."""
 
 
+class TaskError(DrakearmError, ValueError):
+    """A task, sense, reward or start that environments cannot use."""
+
+
+class StateError(DrakearmError, ValueError):
+    """A state or excitation of the wrong shape or with values that are not finite."""
+
+
 class ActionError(DrakearmError, ValueError):
     """An action of the wrong shape or with values that are not finite."""
 

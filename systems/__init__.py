@@ -1,17 +1,16 @@
-"""The LeafSystems of drakearm, one a file."""
+"""The LeafSystems of drakearm, one per file."""
 
 from drakearm.systems.collocation_mpc import CollocationMpc
 from drakearm.systems.compiled_skeleton import CompiledSkeleton
 from drakearm.systems.hill_muscles import HillMuscles, HillMuscles_
 from drakearm.systems.joint_stops import JointStops
-from drakearm.systems.muscle_visualizer import MuscleVisualizer
+from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
 from drakearm.systems.policy_controller import PolicyController
-from drakearm.systems.proprioception import OBSERVATIONS, Proprioception
+from drakearm.systems.proprioception import Proprioception
 from drakearm.systems.static_optimizer import StaticOptimizer
-from drakearm.systems.tracking_reward import RewardWeights, TrackingReward
+from drakearm.systems.tracking_reward import TrackingReward
 
 __all__ = [
-    "OBSERVATIONS",
     "CollocationMpc",
     "CompiledSkeleton",
     "HillMuscles",
@@ -20,7 +19,7 @@ __all__ = [
     "MuscleVisualizer",
     "PolicyController",
     "Proprioception",
-    "RewardWeights",
     "StaticOptimizer",
     "TrackingReward",
+    "upright",
 ]

@@ -7,14 +7,17 @@ from pydrake.systems.framework import (
     Context,
     ContinuousState,
     DiscreteValues,
+    EventStatus,
     LeafSystem_,
+    State,
 )
 from pydrake.systems.scalar_conversion import TemplateSystem
 
-from drakearm.errors import DerivativeError
+from drakearm.errors import DerivativeError, StateError
 from drakearm.model import Arm
 from drakearm.model.linearization import linearize_muscles
 from drakearm.model.musculature import (
+    RESTING_ACTIVATION,
     muscle_geometry,
     muscle_rates,
     muscle_report,
@@ -23,7 +26,6 @@ from drakearm.model.musculature import (
     tendon_forces,
 )
 
-RESTING_ACTIVATION = 0.05
 _REPORT = ("active_force", "passive_force", "fiber_power", "tendon_power", "metabolic_power")
 
 
@@ -71,6 +73,11 @@ def HillMuscles_(T):
         metabolic_power   n       W    heat and work, Bhargava et al. (2004)
         ================= ======= ==== =======================================================================
 
+        Muscles whose state nobody has set start in equilibrium with the joints: when a simulation is initialized and
+        the state is still the default one, fibers and tendons are brought into equilibrium at arm_state. So it is
+        enough to set the positions of the plant. Without a Simulator, call `SetEquilibrium`. Excitations that are not
+        finite raise StateError.
+
         time_step = 0: activation and fiber length are continuous states, in this order, for any of Drake's integrators
         and for linearization: the system converts to AutoDiffXd, in which all outputs but the last five exist. Barely
         active fibers are stiff (to 8e4 /s), so that is the way of checks.
@@ -88,6 +95,7 @@ def HillMuscles_(T):
             n, n_q = len(arm.muscles), len(arm.coordinates)
             self._n, self._n_q = n, n_q
             resting, tau = resting_state(arm, np.zeros(n_q), RESTING_ACTIVATION)
+            self._default = resting
 
             self._excitation = self.DeclareVectorInputPort("excitation", n)
             self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)
@@ -98,12 +106,15 @@ def HillMuscles_(T):
                 self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._step)
                 velocity_from = state
             else:
-                # Drake asks every system for time derivatives, and asking Python costs time where there are none.
+                # Only this class overrides DoCalcTimeDerivatives. Discrete muscles have no continuous state, but Drake
+                # would call their override at each of its evaluations, which takes time in Python.
                 self.__class__ = Continuous
                 self.DeclareContinuousState(BasicVector_[T](resting[: 2 * n]))
                 state = {self.xc_ticket()}
                 self.DeclareVectorOutputPort("generalized_force", n_q, self._calc_generalized_force, state | joints)
                 velocity_from = state | joints
+            if T is float:
+                self.DeclareInitializationUnrestrictedUpdateEvent(self._settle)
             for name, size, calc, prerequisites in (
                 ("activation", n, self._calc_activation, state),
                 ("fiber_length", n, self._calc_fiber_length, state),
@@ -123,7 +134,8 @@ def HillMuscles_(T):
         def SetEquilibrium(self, context: Context, q: np.ndarray, activation: float = RESTING_ACTIVATION):
             """Sets the muscles' state to rest at joint angles q (n_q,), rad, with one activation or (n,) activations.
 
-            Raises EquilibriumError where a muscle has no equilibrium.
+            Raises EquilibriumError where a muscle has no equilibrium, and StateError for another size or numbers that
+            are not finite.
             """
             state, tau = resting_state(self.arm, np.asarray(q, dtype=float), activation)
             if self.time_step > 0.0:
@@ -131,6 +143,25 @@ def HillMuscles_(T):
                 context.SetDiscreteState(1, tau)
             else:
                 context.SetContinuousState(state[: 2 * self._n])
+
+        def _settle(self, context: Context, state: State) -> EventStatus:
+            """Brings muscles that are still in their default state into equilibrium with the joints."""
+            default = self._default if self.time_step > 0.0 else self._default[: 2 * self._n]
+            if not np.array_equal(self._state(context), default):
+                return EventStatus.DidNothing()
+            q = self._arm_state.Eval(context)[: self._n_q]
+            settled, tau = resting_state(self.arm, q, RESTING_ACTIVATION)
+            if self.time_step > 0.0:
+                state.get_mutable_discrete_state(0).set_value(settled)
+                state.get_mutable_discrete_state(1).set_value(tau)
+            else:
+                state.get_mutable_continuous_state().SetFromVector(settled[: 2 * self._n])
+            return EventStatus.Succeeded()
+
+        def _require_finite_excitation(self, excitation: np.ndarray) -> None:
+            if not np.isfinite(excitation).all():
+                bad = [name for name, u in zip(self.arm.muscle_names, excitation, strict=True) if not np.isfinite(u)]
+                raise StateError(f"The excitation of {', '.join(bad)} is not finite: expected numbers from 0 to 1.")
 
         def GetStateNames(self) -> list[str]:
             """What each element of the state vector is, like "BRA_fiber_length"; see MultibodyPlant.GetStateNames."""
@@ -164,14 +195,16 @@ def HillMuscles_(T):
         def _step(self, context: Context, state: DiscreteValues):
             if T is not float:
                 raise DerivativeError("Discrete HillMuscles cannot step in AutoDiffXd: expected time_step = 0.")
-            muscle_step(
+            excitation = self._excitation.Eval(context)
+            if not muscle_step(
                 state.get_mutable_value(0),
                 state.get_mutable_value(1),
-                self._excitation.Eval(context),
+                excitation,
                 self._arm_state.Eval(context),
                 self.time_step,
                 *self._tables,
-            )
+            ):
+                self._require_finite_excitation(excitation)
 
         def _calc_generalized_force(self, context: Context, output: BasicVector_[T]):
             if T is float:
@@ -239,6 +272,7 @@ def HillMuscles_(T):
             fibers, excitation = self._fibers(context), self._excitation.Eval(context)
             arm_state = self._arm_state.Eval(context)
             if T is float:
+                self._require_finite_excitation(excitation)
                 rates = muscle_rates(fibers, excitation, arm_state, *self._tables)
             else:
                 rates = self._differentiate(fibers, excitation, arm_state, slice(0, 2 * self._n))

@@ -5,12 +5,12 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, LeafSystem, State
 
 from drakearm.model import Arm
+from drakearm.model.feedback import Feedback
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import add_skeleton, inverse_dynamics
 from drakearm.model.static_optimization import excitations_to_reach, static_activations
 
-STIFFNESS = 400.0  # 1/s^2
-DAMPING = 40.0  # 1/s
+FEEDBACK = Feedback(stiffness=400.0, damping=40.0)
 
 
 class StaticOptimizer(LeafSystem):
@@ -31,15 +31,15 @@ class StaticOptimizer(LeafSystem):
     ========== ===== ==================== ====================================================
     arm_state  2 n_q rad, rad/s           q and v
     activation n     0..1                 of the muscles
-    reference  3 n_q rad, rad/s, rad/s^2  wanted q, v and a
+    reference  3 n_q rad, rad/s, rad/s^2  desired q, v and a
     excitation n     0..1                 held for one control step; 0 before the first
     ========== ===== ==================== ====================================================
 
-    Wanted acceleration: a_ref + stiffness (q_ref - q) + damping (v_ref - v), 1/s^2 and 1/s. The inverse dynamics of a
-    plant of its own, with load_mass (kg) in the hand, turn it into torques, `static_activations` turns those into
-    activations, and the excitation is the one that brings each activation there within a control step: computed muscle
-    control (Thelen, Anderson and Delp 2003) without its forecast of the joints. Forces lag behind activations while
-    tendons stretch, which it does not know: four times the default stiffness already makes the arm tremble.
+    This is computed muscle control (Thelen, Anderson and Delp 2003) without its forecast of the joints. `Feedback`
+    gives the desired accelerations. The inverse dynamics of a plant of its own, with load_mass (kg) in the hand, turn
+    them into torques, and `static_activations` turns the torques into activations. The excitation is the one that
+    brings each activation there within a control step. Forces lag behind activations while tendons stretch, which the
+    method does not know: four times the default stiffness already makes the arm tremble.
 
     The decision is an unrestricted update, which Drake handles before discrete updates of the same instant: discrete
     muscles feel a new excitation in the very step in which it was decided.
@@ -49,13 +49,12 @@ class StaticOptimizer(LeafSystem):
         self,
         arm: Arm,
         load_mass: float = 0.0,
-        stiffness: float = STIFFNESS,
-        damping: float = DAMPING,
+        feedback: Feedback = FEEDBACK,
         control_step: float = CONTROL_STEP,
     ):
         super().__init__()
         self._muscles, self._paths = arm.muscle_table, arm.path_table
-        self._gains = (stiffness, damping)
+        self._feedback = feedback
         self._control_step = control_step
         self._plant = MultibodyPlant(time_step=0.0)
         add_skeleton(self._plant, arm, load_mass)
@@ -70,12 +69,10 @@ class StaticOptimizer(LeafSystem):
 
     def _decide(self, context: Context, state: State) -> None:
         q, v = np.split(self._arm_state.Eval(context), 2)
-        reference_q, reference_v, reference_a = np.split(self._reference.Eval(context), 3)
-        stiffness, damping = self._gains
-        tau = self._torque(q, v, reference_a + stiffness * (reference_q - q) + damping * (reference_v - v))
+        tau = self._torque(q, v, self._feedback.acceleration(q, v, self._reference.Eval(context)))
         activation = self._activation.Eval(context)
-        wanted, _ = static_activations(q, v, tau, activation, self._muscles, self._paths)
-        excitation = excitations_to_reach(wanted, activation, self._control_step, self._muscles)
+        desired, _ = static_activations(q, v, tau, activation, self._muscles, self._paths)
+        excitation = excitations_to_reach(desired, activation, self._control_step, self._muscles)
         state.get_mutable_discrete_state().set_value(excitation)
 
     def _torque(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:

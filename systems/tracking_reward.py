@@ -1,70 +1,51 @@
 """TrackingReward: how well the arm follows a reference."""
 
-from typing import Annotated
-
-import numpy as np
-from pydantic import ConfigDict, Field
-from pydantic.dataclasses import dataclass
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drakearm.model.tracking import tracking_reward
-
-Weights = tuple[Annotated[float, Field(ge=0, allow_inf_nan=False)], ...]
-
-
-@dataclass(frozen=True, config=ConfigDict(extra="forbid"))
-class RewardWeights:
-    """Weights of eq. 6 of Denizdurduran et al. (2022), one a coordinate."""
-
-    position: Weights  # 1/rad^2
-    velocity: Weights  # s^2/rad^2
-    acceleration: Weights  # s^4/rad^2
-
-    def array(self) -> np.ndarray:
-        """All of them in this order, (3 n_q,)."""
-        return np.array([*self.position, *self.velocity, *self.acceleration])
+from drakearm.task import TrackingTask, signal_size
 
 
 class TrackingReward(LeafSystem):
-    """The reward of eq. 6 of Denizdurduran et al. (2022), and the tracking error.
+    """Computes the reward of a task, and the tracking error.
 
     .. pydrake_system::
 
         name: TrackingReward
         input_ports:
         - arm_state
-        - arm_acceleration
         - reference
+        - one per other signal that the task's reward reads
         output_ports:
         - reward
         - tracking_error
 
-    ================ ===== ============ ====================================================
-    port             size  unit         meaning
-    ================ ===== ============ ====================================================
-    arm_state        2 n_q rad, rad/s   q and v
-    arm_acceleration n_q   rad/s^2
-    reference        2 n_q rad, rad/s   wanted q and v
-    reward           1     1            0 on the reference at rest, negative otherwise
-    tracking_error   n_q   rad          q minus wanted q
-    ================ ===== ============ ====================================================
+    ================ ==================== =========== ========================================
+    port             size                 unit        meaning
+    ================ ==================== =========== ========================================
+    arm_state        2 n_q                rad, rad/s  q and v
+    reference        2 n_q                rad, rad/s  desired q and v
+    each signal      `signal_size` of it  SI          see `drakearm.task.SIGNALS`
+    reward           1                    1           of the task's `Reward`
+    tracking_error   n_q                  rad         q minus desired q
+    ================ ==================== =========== ========================================
     """
 
-    def __init__(self, weights: RewardWeights):
+    def __init__(self, task: TrackingTask):
         super().__init__()
-        self._weights = weights.array()
-        self._n_q = len(weights.position)
-        self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * self._n_q)
-        self._acceleration = self.DeclareVectorInputPort("arm_acceleration", self._n_q)
-        self._reference = self.DeclareVectorInputPort("reference", 2 * self._n_q)
-        states = {self._arm_state.ticket(), self._reference.ticket()}
-        self.DeclareVectorOutputPort("reward", 1, self._calc_reward, states | {self._acceleration.ticket()})
-        self.DeclareVectorOutputPort("tracking_error", self._n_q, self._calc_error, states)
+        self._reward, self._n_q = task.reward, len(task.arm.coordinates)
+        self._signals = {
+            name: self.DeclareVectorInputPort(name, signal_size(name, task.arm, task.lookahead))
+            for name in dict.fromkeys(("arm_state", "reference", *task.reward.reads))
+        }
+        tickets = {name: port.ticket() for name, port in self._signals.items()}
+        of_reward = {tickets[name] for name in task.reward.reads}
+        self.DeclareVectorOutputPort("reward", 1, self._calc_reward, of_reward)
+        of_error = {tickets["arm_state"], tickets["reference"]}
+        self.DeclareVectorOutputPort("tracking_error", self._n_q, self._calc_error, of_error)
 
     def _calc_reward(self, context: Context, output: BasicVector) -> None:
-        arm_state, reference = self._arm_state.Eval(context), self._reference.Eval(context)
-        output[0] = tracking_reward(arm_state, self._acceleration.Eval(context), reference, self._weights)
+        output[0] = self._reward(*(self._signals[name].Eval(context) for name in self._reward.reads))
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
-        q = self._arm_state.Eval(context)[: self._n_q]
-        output.SetFromVector(q - self._reference.Eval(context)[: self._n_q])
+        q, desired_q = (self._signals[name].Eval(context)[: self._n_q] for name in ("arm_state", "reference"))
+        output.SetFromVector(q - desired_q)

@@ -5,10 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drakearm.diagrams import TrackingTask
 from drakearm.model import Arm, load_arm
 from drakearm.model.reference import CONTROL_STEP, Reference
-from drakearm.systems import RewardWeights
+from drakearm.task import ReferenceStart, RewardWeights, TrackingTask
 
 ORACLE = Path(__file__).parents[2] / "shared" / "oracle"
 
@@ -45,4 +44,4 @@ def reference() -> Reference:
 @pytest.fixture(scope="session")
 def task(arm, reference) -> TrackingTask:
     weights = RewardWeights(position=(10.0, 10.0), velocity=(0.1, 0.1), acceleration=(1e-6, 1e-6))
-    return TrackingTask(arm, reference, weights, start_noise=0.01)
+    return TrackingTask(arm, reference, weights, start=ReferenceStart(noise=0.01))

@@ -10,7 +10,8 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from drakearm.errors import RunFolderError
-from drakearm.model.inspection import RESTING_ACTIVATION, Crossing, Inspection, MuscleInspection
+from drakearm.model.inspection import Crossing, Inspection, MuscleInspection
+from drakearm.model.musculature import RESTING_ACTIVATION
 
 # Okabe and Ito's colors, which color-blind readers can tell apart
 _JOINT_COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")

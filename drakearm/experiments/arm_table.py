@@ -4,7 +4,8 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from drakearm.model.inspection import RESTING_ACTIVATION, Inspection, Interval, MuscleInspection
+from drakearm.model.inspection import Inspection, Interval, MuscleInspection
+from drakearm.model.musculature import RESTING_ACTIVATION
 
 _COLUMNS = (
     "muscle",

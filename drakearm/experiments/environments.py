@@ -7,12 +7,13 @@ from pathlib import Path
 
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 
-from drakearm.diagrams import MakeTrackingTask, TrackingTask
+from drakearm.diagrams import MakeTrackingTask
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv, DiagramEnv
 from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.planning import plan
+from drakearm.task import TrackingTask
 
 
 def make_env(scenario: str | Path, reference: Reference | None = None) -> DiagramEnv:
@@ -24,7 +25,7 @@ def make_env(scenario: str | Path, reference: Reference | None = None) -> Diagra
 
 
 def make_vector_env(scenario: str | Path | Sequence[str | Path], num_envs: int) -> ArmVectorEnv:
-    """Environments of one scenario (name or file), or of several by turns, each with its own plan as reference.
+    """Environments of one scenario (name or file), or of several round-robin, each with its own plan as reference.
 
     This is what `gymnasium.make_vec("drakearm/Track-v0", num_envs=..., scenario=...)` makes.
     """

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from drakearm.diagrams import MakePolicyLoop, TrackingTask
+from drakearm.diagrams import MakePolicyLoop
 from drakearm.learning import Policy
 from drakearm.model.recording import Recording
+from drakearm.task import TrackingTask
 
 STOCHASTIC_RUNS = 10
 SUCCESS = 0.1  # rad: a run counts as a success if the mean error of every joint stays below

@@ -1,16 +1,17 @@
 """Scenarios: the movements of the paper, each a YAML file: what to plan and how to learn it."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import field, replace
 from enum import StrEnum
 from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 import yaml
-from pydantic import ConfigDict, TypeAdapter, ValidationError, field_validator
+from pydantic import BeforeValidator, ConfigDict, InstanceOf, TypeAdapter, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 
-from drakearm.diagrams import TrackingTask
 from drakearm.errors import ScenarioError
 from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import load_arm
@@ -18,7 +19,7 @@ from drakearm.model.fields import NonNegative
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 from drakearm.planning import Movement
-from drakearm.systems import OBSERVATIONS, RewardWeights
+from drakearm.task import OBSERVATIONS, ReferenceStart, Reward, RewardWeights, TrackingTask, observation_set
 
 _SHIPPED = Path(__file__).parent / "scenarios"
 _STRICT = ConfigDict(extra="forbid")
@@ -31,12 +32,19 @@ class Preset(StrEnum):
     paper = "paper"  # 28 observations, learned from random weights; overrules the file's own settings
 
 
+def _read_reward(value: Any) -> Reward:
+    """The reward of a mapping. Without a `type` it holds the weights of the paper's reward."""
+    if isinstance(value, Mapping) and "type" not in value:
+        value = {"type": RewardWeights.type, **value}
+    return Reward.read(value)
+
+
 @dataclass(frozen=True, config=_STRICT)
 class Tracking:
     """How the movement is sensed and rewarded while it is learned."""
 
-    reward: RewardWeights
-    observation: str = "full"  # see `Proprioception`
+    reward: Annotated[InstanceOf[Reward], BeforeValidator(_read_reward)]
+    observation: str = "full"  # a set in `drakearm.task.OBSERVATIONS`
     start_noise_deg: NonNegative = 0.0  # standard deviation of the joint angles at the start
 
     @field_validator("observation")
@@ -62,14 +70,14 @@ class Scenario:
     preset: Preset = Preset.drakearm
 
     def task(self, reference: Reference) -> TrackingTask:
-        """The task of following a reference, as the scenario wants it sensed and rewarded."""
+        """The task of following a reference, sensed and rewarded as the scenario says."""
         return TrackingTask(
             arm=load_arm(self.arm),
             reference=reference,
             reward=self.tracking.reward,
-            observation=self.tracking.observation,
+            senses=observation_set(self.tracking.observation),
+            start=ReferenceStart(noise=np.deg2rad(self.tracking.start_noise_deg)),
             load_mass=self.load_mass,
-            start_noise=np.deg2rad(self.tracking.start_noise_deg),
             obstacle=self.obstacle,
         )
 

@@ -6,7 +6,6 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from drakearm.diagrams import TrackingTask
 from drakearm.experiments.environments import EnvKind, make_training_envs
 from drakearm.experiments.metrics import (
     run_policy,
@@ -26,6 +25,7 @@ from drakearm.model.reference import Reference
 from drakearm.planning import plan
 from drakearm.planning.feasibility import muscle_feasibility
 from drakearm.replay import write_replay
+from drakearm.task import TrackingTask
 
 PLANNED = ("reference", "plan", "plan_picture")  # what `plan_step` writes, beside the scenario
 

@@ -1,6 +1,6 @@
 """ArmVectorEnv: tracking tasks for many arms at once, stepped by one compiled call."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,24 +9,22 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.diagrams import TrackingTask
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.model import MakeTorqueArm
 from drakearm.model.dynamics_table import read_dynamics
-from drakearm.model.musculature import resting_states
+from drakearm.model.musculature import resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
-from drakearm.model.tracking import tracking_reward
-from drakearm.systems.hill_muscles import RESTING_ACTIVATION
-from drakearm.systems.proprioception import LOOKAHEAD, observation_scales
+from drakearm.task import Reward, TrackingTask
 
 
 class ArmVectorEnv(VectorEnv):
     """Many environments, each the one that `DiagramEnv` makes of a `TrackingTask`, to rounding errors the same.
 
-    tasks: one, or several to mix: arm i does task i % len(tasks), with a reference, load, start and reward of its own.
-    Muscles, coordinates, joint stops and observation are the same in all tasks, or TrainingError names what differs.
+    tasks: one, or several to mix round-robin: arm i does task i % len(tasks), with a reference, load, start and reward
+    of its own. Muscles, coordinates, joint ranges, senses and lookahead must be the same in all tasks. Raises
+    TrainingError, naming what differs.
 
     Spaces, rewards and info are those of `DiagramEnv`; see there. Environments that end are reset in the same step
     (AutoresetMode.SAME_STEP): the observation is then the first of the next episode, the last one of the episode that
@@ -39,33 +37,44 @@ class ArmVectorEnv(VectorEnv):
     def __init__(self, tasks: TrackingTask | Sequence[TrackingTask], num_envs: int):
         tasks = [tasks] if isinstance(tasks, TrackingTask) else list(tasks)
         if not 1 <= len(tasks) <= num_envs:
-            raise TrainingError(f"There are {len(tasks)} tasks for {num_envs} arms: expected an arm for every task.")
+            raise TrainingError(f"There are {len(tasks)} tasks for {num_envs} arms: expected an arm for each task.")
         plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
         _check_alike(tasks, plants)
         arm = tasks[0].arm
-        scales = observation_scales(arm, tasks[0].observation)
-        self._senses, self._scale = tuple(scales), np.concatenate(list(scales.values()))
-        self._arm = arm
+        self._arm, self._observation = arm, tasks[0].observation
         self._lower, self._upper = plants[0].GetPositionLowerLimits(), plants[0].GetPositionUpperLimits()
 
         self.num_envs = num_envs
-        does = np.arange(num_envs) % len(tasks)  # the task of every arm
+        task_of_arm = np.arange(num_envs) % len(tasks)
+        self._task = [tasks[k] for k in task_of_arm]
         skeletons = [read_dynamics(plant) for plant in plants]
-        self._arms = CompiledArms(arm, [skeletons[task] for task in does], self._lower, self._upper)
-        self._weights = np.array([task.reward.array() for task in tasks])[does]
-        self._start = np.array([task.reference.q[0] for task in tasks])[does]
-        self._noise = np.array([task.start_noise for task in tasks])[does]
-        previews = [task.reference.preview(LOOKAHEAD) for task in tasks]
-        self._preview = np.concatenate(previews)  # of all tasks; every arm goes from its first row to its last
-        self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]), does)
+        self._arms = CompiledArms(arm, [skeletons[k] for k in task_of_arm], self._lower, self._upper)
+        self._rewards = _arms_by_reward([task.reward for task in tasks], task_of_arm)
+        # Samples of all references, one after the other; each arm goes from its first row to its last.
+        self._reference = np.concatenate([task.reference.preview() for task in tasks])
+        previews = [task.reference.preview(task.lookahead) for task in tasks]
+        self._preview_q, self._preview_v = np.hsplit(np.concatenate(previews), 2)
+        self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]), task_of_arm)
         self._row = self._first.copy()
-        self._wanted = np.concatenate([task.reference.preview() for task in tasks])  # what is wanted at this moment
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
+        self._excitation, self._acceleration = np.zeros((num_envs, n)), np.zeros((num_envs, n_q))
+        self._signals: dict[str, Callable[[], np.ndarray]] = {
+            "arm_state": lambda: self._arm_state,
+            "arm_acceleration": lambda: self._acceleration,
+            "reference": lambda: self._reference[self._row],
+            "preview_q": lambda: self._preview_q[self._row],
+            "preview_v": lambda: self._preview_v[self._row],
+            "excitation": lambda: self._excitation,
+            "activation": lambda: self._muscle_state[:, :n],
+            "fiber_length": lambda: self._muscle_state[:, n : 2 * n],
+            "fiber_velocity": lambda: self._muscle_state[:, 3 * n :],
+            "tendon_force": self._tendon_force,
+        }
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
         self.single_action_space = Box(0.0, 1.0, (n,), np.float32)
-        self.single_observation_space = Box(-np.inf, np.inf, (len(self._scale),), np.float32)
+        self.single_observation_space = Box(-np.inf, np.inf, (self._observation.size,), np.float32)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
@@ -90,10 +99,11 @@ class ArmVectorEnv(VectorEnv):
                 f"The actions are an array {values.shape}, finite: {bool(np.isfinite(values).all())}: "
                 f"expected {self.num_envs} times {self._n} finite excitations."
             )
-        acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
+        self._acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
+        self._excitation = values.copy()
         self._row += 1
-        reward = tracking_reward(self._arm_state, acceleration, self._wanted[self._row], self._weights)
+        reward = self._reward()
         truncated = self._row == self._last
         info = self._info()
         observation = self._observe()
@@ -103,47 +113,63 @@ class ArmVectorEnv(VectorEnv):
             observation = self._observe()
         return observation, reward, np.zeros_like(truncated), truncated, info
 
-    def _restart(self, which: np.ndarray) -> None:
-        normals = np.array([self._generators[k].standard_normal(self._n_q) for k in np.flatnonzero(which)])
-        q = self._start[which] + self._noise[which, None] * normals  # as in TaskSystems.StartPosture
-        q = np.clip(q, self._lower, self._upper)
-        arm_state = np.hstack([q, np.zeros_like(q)])
-        self._row[which] = self._first[which]
-        self._set_state(which, arm_state, resting_states(self._arm, q, RESTING_ACTIVATION))
+    @property
+    def reference_step(self) -> np.ndarray:
+        """How far along its reference each arm is (N,), in control steps."""
+        return self._row - self._first
 
-    def _set_state(self, which: np.ndarray, arm_state: np.ndarray, muscle_state: np.ndarray) -> None:
-        self._arms.set_state(which, arm_state, muscle_state)
+    def _restart(self, which: np.ndarray) -> None:
+        arms = np.flatnonzero(which)
+        starts = [self._task[k].start(self._task[k].reference, self._generators[k]) for k in arms]
+        q = np.clip(np.array([start.q for start in starts]), self._lower, self._upper)
+        activation = np.array([np.broadcast_to(start.activation, self._n) for start in starts])
+        arm_state = np.hstack([q, np.array([start.v for start in starts])])
+        self._row[which] = self._first[which] + [start.step for start in starts]
+        self._excitation[which] = 0.0
+        self._arms.set_state(which, arm_state, resting_states(self._arm, q, activation))
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
 
     def _observe(self) -> np.ndarray:
-        n = self._n
-        senses = {
-            "fiber_length": self._muscle_state[:, n : 2 * n],
-            "fiber_velocity": self._muscle_state[:, 3 * n :],
-            "activation": self._muscle_state[:, :n],
-            "arm_state": self._arm_state,
-            "reference": self._preview[self._row],
-        }
-        sensed = np.concatenate([senses[name] for name in self._senses], axis=1)
-        return (sensed * self._scale).astype(np.float32)
+        signals = {name: self._signals[name]() for name in self._observation.reads}
+        return self._observation(signals).astype(np.float32)
+
+    def _reward(self) -> np.ndarray:
+        total = np.empty(self.num_envs)
+        for reward, arms in self._rewards:
+            total[arms] = reward(*(self._signals[name]()[arms] for name in reward.reads))
+        return total
+
+    def _tendon_force(self) -> np.ndarray:
+        fibers = np.ascontiguousarray(self._muscle_state[:, : 2 * self._n])
+        return tendon_forces_of_arms(fibers, self._arm_state, self._arm.muscle_table, self._arm.path_table)
 
     def _info(self) -> dict[str, Any]:
         info = {
             "arm_state": self._arm_state,
-            "tracking_error": (self._arm_state - self._wanted[self._row])[:, : self._n_q],
+            "tracking_error": (self._arm_state - self._reference[self._row])[:, : self._n_q],
             "activation": self._muscle_state[:, : self._n],
         }
         everywhere = np.ones(self.num_envs, dtype=bool)
         return info | {f"_{name}": everywhere for name in info}
 
 
+def _arms_by_reward(rewards: list[Reward], task_of_arm: np.ndarray) -> list[tuple[Reward, slice | np.ndarray]]:
+    """The different ones of the tasks' rewards, each with its arms."""
+    different = [reward for k, reward in enumerate(rewards) if reward not in rewards[:k]]
+    if len(different) == 1:
+        return [(different[0], slice(None))]  # which makes views instead of copies
+    reward_of_task = np.array([different.index(reward) for reward in rewards])
+    return [(reward, np.flatnonzero(reward_of_task[task_of_arm] == k)) for k, reward in enumerate(different)]
+
+
 def _check_alike(tasks: list[TrackingTask], plants: list[MultibodyPlant]) -> None:
-    """Raises TrainingError, naming what differs, unless one compiled arm can do all tasks."""
+    """Raises TrainingError, naming what differs, unless the tasks can share one compiled function."""
     alike = [
         {
             "muscles": task.arm.muscles,
             "coordinates": task.arm.coordinates,
-            "observation": task.observation,
+            "senses": task.senses,
+            "lookahead": task.lookahead,
             "joint ranges": (list(plant.GetPositionLowerLimits()), list(plant.GetPositionUpperLimits())),
         }
         for task, plant in zip(tasks, plants, strict=True)

@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context, Diagram
 from drakearm.diagrams import MakeSimulator
 from drakearm.errors import ActionError
 
-Reset = Callable[[Context, np.random.Generator], None]
+Reset = Callable[[Context, np.random.Generator], object]
 
 
 class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -21,16 +21,17 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     space        shape                              range and unit
     ============ ================================== ===========================================================
     action       (size of the port `actions`,)      float32, 0 to 1: excitations
-    observation  (size of the port `observations`,) float32, unbounded: see `Proprioception`
+    observation  (size of the port `observations`,) float32, unbounded: see `drakearm.task.SENSES`
     ============ ================================== ===========================================================
 
     Every other output port of the Diagram appears in `info` under its name, as a float64 array. An action is held for
-    one control step; observation, reward and info are those at its end. An episode is truncated after `episode_steps`;
-    it is terminated where a system of the Diagram reports EventStatus::ReachedTermination.
+    one control step; observation, reward and info are those at its end. An episode is truncated at the time of
+    `episode_steps` control steps; it is terminated where a system of the Diagram reports
+    EventStatus::ReachedTermination.
 
     reset: puts a root context into a start state, with the environment's own random generator, so that the seed given
-    to `reset` decides everything. The Diagram is built once and its context reset, because each rebuilt one leaks
-    memory.
+    to `reset` decides everything. It may also set a later time, a whole number of control steps: the episode is then
+    shorter. The Diagram is built once and its context reset, because each rebuilt one leaks memory.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)
@@ -57,11 +58,11 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode; see gymnasium.Env.reset. There are no options."""
         super().reset(seed=seed)
-        self._steps = 0
         self._context.SetTime(0.0)
         self._diagram.SetDefaultContext(self._context)
         self._actions.FixValue(self._context, np.zeros(self._actions.size()))
         self._reset(self._context, self.np_random)
+        self._steps = round(self._context.get_time() / self._control_step)  # since time 0
         self._simulator.Initialize()
         return self._observe()
 

@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import torch
 
-from drakearm.diagrams import TrackingTask
 from drakearm.learning.arm_vector_env import ArmVectorEnv
 from drakearm.learning.backprop import Backprop
 from drakearm.learning.expert import StaticExpert
 from drakearm.learning.learners import Learner
 from drakearm.learning.policy import Actor
+from drakearm.task import TrackingTask
 
 ARMS = 64
 EPOCHS = 20  # after each round, over all that was seen so far
@@ -32,8 +32,8 @@ def imitate(
 ) -> None:
     """Teaches an actor, in place; the same seed gives the same weights.
 
-    In the first round the expert moves the arms, in the others the actor does. on_round: called with the number of each
-    round, from 1, as it ends.
+    In the first round the expert moves the arms, in the others the actor does. on_round: called at the end of each
+    round with its number, from 1.
     """
     envs, expert = ArmVectorEnv(tasks, max(ARMS, len(tasks))), StaticExpert(tasks, max(ARMS, len(tasks)))
     learner = Learner(actor, max_grad_norm=1.0)
@@ -56,19 +56,17 @@ def _round(
     rng = np.random.default_rng(seed)
     noise = np.linspace(0.0, NOISE, envs.num_envs)[:, None]
     observation, info = envs.reset(seed=seed)
-    steps = np.zeros(envs.num_envs, dtype=int)
     seen, done = [], []
     moving = np.ones(envs.num_envs, dtype=bool)
     while moving.any():
-        wanted = expert.act(info["arm_state"], info["activation"], steps)
+        desired = expert.act(info["arm_state"], info["activation"], envs.reference_step)
         inputs = torch.tensor(observation)  # a copy, whose memory torch aligns
         seen.append(inputs[moving])
-        done.append(torch.tensor(wanted[moving], dtype=torch.float32))
+        done.append(torch.tensor(desired[moving], dtype=torch.float32))
         with torch.no_grad():
-            action = wanted if actor is None else actor(inputs).numpy()
+            action = desired if actor is None else actor(inputs).numpy()
         action = np.clip(action + noise * rng.standard_normal(action.shape), 0.0, 1.0)
         observation, _, _, truncated, info = envs.step(action)
-        steps += 1
         moving &= ~truncated
     return torch.cat(seen), torch.cat(done)
 

@@ -6,12 +6,11 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.model.arm import Arm, Muscle
-from drakearm.model.musculature import muscle_geometry
+from drakearm.model.musculature import RESTING_ACTIVATION, muscle_geometry
 from drakearm.model.skeleton import add_skeleton
 from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length
 
-RESTING_ACTIVATION = 0.05  # at which the working ranges are taken
 _SAMPLES = 181  # of a range of angles or path lengths
 _CURVE_SAMPLES = 121
 _PRECISION = 1e-7  # m

@@ -8,7 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 
 
 class Kind:
-    """Base of all families. A class that derives directly from it begins a family, whose members derive from that class:
+    """Base of all families. A class that derives directly from it begins a family; its members derive from that class:
 
         class Shape(Kind):
             def area(self) -> float: ...

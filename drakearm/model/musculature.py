@@ -4,9 +4,11 @@
 n_q,). fibers: activations, then fiber lengths, (2 n,). Units: m, N, Nm, s, rad, W.
 """
 
+import math
+
 import numpy as np
 
-from drakearm.errors import EquilibriumError
+from drakearm.errors import EquilibriumError, StateError
 from drakearm.model.arm import Arm
 from drakearm.model.paths import count_terms, evaluate_path_lanes, evaluate_paths, make_path_pieces
 from drakearm.muscle.activation import activation_rate, activation_step
@@ -21,6 +23,8 @@ from drakearm.muscle.contraction import (
 )
 from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabolic_power
 from drakearm.muscle.parameters import muscle_parameters
+
+RESTING_ACTIVATION = 0.05  # of a muscle that a user has not set
 
 
 @compiled
@@ -67,6 +71,15 @@ def tendon_forces(fibers, arm_state, muscles, paths):
 
 
 @compiled
+def tendon_forces_of_arms(fibers, arm_state, muscles, paths):
+    """Tendon forces (N, n) of N arms; fibers: (N, 2 n), arm_state: (N, 2 n_q)."""
+    force = np.empty((len(fibers), len(muscles)))
+    for k in range(len(fibers)):
+        force[k] = tendon_forces(fibers[k], arm_state[k], muscles, paths)[0]
+    return force
+
+
+@compiled
 def muscle_rates(fibers, excitation, arm_state, muscles, paths):
     """Time derivatives (2 n,) of activations and fiber lengths."""
     n, n_q = len(muscles), len(arm_state) // 2
@@ -85,6 +98,8 @@ def muscle_rates(fibers, excitation, arm_state, muscles, paths):
 @compiled
 def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     """Advances the muscles' state in place by one time step and writes the generalized force to hold meanwhile.
+
+    Returns whether all excitations are finite; where they are not, the step has no meaning.
 
     state: activation, fiber length, fiber length one step earlier, fiber velocity, each (n,) one after the other.
     tau: (n_q,). arm_state: at the start of the step. Joints are extrapolated to the end of the step at their present
@@ -115,6 +130,10 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
         state[n + i] = next_fiber
         state[2 * n + i] = fiber
         state[3 * n + i] = velocity
+    for i in range(n):
+        if not math.isfinite(excitation[i]):
+            return False
+    return True
 
 
 @compiled
@@ -142,21 +161,29 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
 
 @compiled
 def _equilibrium(activation, q, muscles, paths, pieces, length, slope):
-    """Writes the fiber lengths (n, N) of N postures q (n_q, N) into `length`; see `evaluate_path_lanes`."""
+    """Writes the fiber lengths (n, N) of N postures q (n_q, N) into `length`; activation: (N, n)."""
     evaluate_path_lanes(q, paths, pieces, length, slope)
     for i in range(len(muscles)):
         m = muscle_parameters(muscles[i], muscles[i].model_code)
         for k in range(q.shape[1]):
-            length[i, k] = equilibrium_fiber_length(activation[i], length[i, k], m)
+            length[i, k] = equilibrium_fiber_length(activation[k, i], length[i, k], m)
+
+
+def require_state(what: str, values: np.ndarray, shape: tuple[int, ...]) -> None:
+    """Raises StateError unless values have a shape and are finite."""
+    if np.shape(values) != shape or not np.isfinite(values).all():
+        found = np.array2string(np.asarray(values), threshold=20)
+        raise StateError(f"The {what} are {found}: expected {' x '.join(map(str, shape))} finite numbers.")
 
 
 def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -> np.ndarray:
-    """Fiber lengths (N, n) of resting muscles at joint angles q (N, n_q), rad, and activations (n,).
+    """Fiber lengths (N, n) of resting muscles at joint angles q (N, n_q), rad, and activations (n,) or (N, n).
 
     Fibers on compliant tendons carry there what their tendons pull. Raises EquilibriumError, naming the muscles, where
     even the shortest fiber leaves the tendon slack.
     """
     muscles, paths, count = arm.muscle_table, arm.path_table, len(q)
+    activation = np.array(np.broadcast_to(activation, (count, len(muscles))))
     pieces, slope = make_path_pieces(paths, count), np.empty((count_terms(paths), count))
     length = np.empty((len(muscles), count))
     _equilibrium(activation, np.ascontiguousarray(q.T), muscles, paths, pieces, length, slope)
@@ -173,15 +200,21 @@ def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -
 def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> np.ndarray:
     """The states (N, 4 n) of `muscle_step` for the muscles of N arms at rest, at joint angles q (N, n_q).
 
-    activation: one for all muscles or (n,). Raises EquilibriumError where a muscle has no equilibrium.
+    activation: one for all muscles, (n,), or (N, n). Raises EquilibriumError where a muscle has no equilibrium, and
+    StateError for another size or numbers that are not finite.
     """
-    activations = np.full(len(arm.muscles), activation, dtype=float)
-    fiber_length = equilibrium_fiber_lengths(arm, q, activations)
-    return np.hstack([np.tile(activations, (len(q), 1)), fiber_length, fiber_length, np.zeros_like(fiber_length)])
+    n, n_q = len(arm.muscles), len(arm.coordinates)
+    require_state("joint angles", q, (len(q), n_q))
+    given = np.asarray(activation, dtype=float)
+    require_state("activations", given, given.shape if given.shape in ((), (len(q), n)) else (n,))
+    fiber_length = equilibrium_fiber_lengths(arm, q, given)
+    activations = np.broadcast_to(given, fiber_length.shape)
+    return np.hstack([activations, fiber_length, fiber_length, np.zeros_like(fiber_length)])
 
 
 def resting_state(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same of one arm at joint angles q (n_q,): its state, and the generalized force (n_q,) that it exerts."""
+    require_state("joint angles", q, (len(arm.coordinates),))
     state = resting_states(arm, q[None, :], activation)[0]
     fibers, arm_state = state[: 2 * len(arm.muscles)], np.concatenate([q, np.zeros_like(q)])
     return state, tendon_forces(fibers, arm_state, arm.muscle_table, arm.path_table)[1]

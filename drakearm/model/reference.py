@@ -50,10 +50,10 @@ class Reference:
         return load_arrays(cls, file)
 
 
-def sample_ranges(lengths: np.ndarray, does: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of each arm's first and last sample, (N,), where those of several references follow each other.
+def sample_ranges(lengths: np.ndarray, task_of_arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of each arm's first and last sample, (N,), where the samples of several references follow each other.
 
-    lengths: numbers of samples of the references. does: the reference of every arm, (N,).
+    lengths: numbers of samples of the references. task_of_arm: the index of each arm's reference, (N,).
     """
-    last = np.cumsum(lengths)[does] - 1
-    return last - lengths[does] + 1, last
+    last = np.cumsum(lengths)[task_of_arm] - 1
+    return last - lengths[task_of_arm] + 1, last

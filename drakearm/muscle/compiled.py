@@ -101,11 +101,13 @@ def inlined(function: Callable[..., Any]) -> Any:
     return _Inner(function, forceinline=True)
 
 
-@intrinsic
-def fma(typing_context, x, y, z):
+def _fma(typing_context, x, y, z):
     """x * y + z of doubles, rounded once: one instruction where the processor has it, and everywhere the same bits."""
 
     def generate(context, builder, signature, arguments):
         return builder.fma(*arguments)
 
     return types.float64(types.float64, types.float64, types.float64), generate
+
+
+fma: Any = intrinsic(_fma)  # for compiled functions only

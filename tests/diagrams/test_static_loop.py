@@ -7,6 +7,7 @@ import pytest
 
 from drakearm.diagrams import MakeStaticLoop
 from drakearm.model.reference import CONTROL_STEP, Reference
+from drakearm.task import ReferenceStart
 
 
 def test_follows_the_timing_movement(task):
@@ -21,7 +22,7 @@ def test_settles_where_it_is_to_hold(task, load_mass):
     t = np.arange(101) * CONTROL_STEP
     still = np.zeros((len(t), 2))
     held = Reference(t, still + np.deg2rad([-20, 80]), still, still, still)
-    holding = replace(task, reference=held, load_mass=load_mass, start_noise=0.02)
+    holding = replace(task, reference=held, load_mass=load_mass, start=ReferenceStart(noise=0.02))
     recording = MakeStaticLoop(holding).Run(np.random.default_rng(0))
     np.testing.assert_allclose(recording.q[-10:], held.q[-10:], atol=0.002)
     np.testing.assert_allclose(recording.v[-10:], 0.0, atol=0.02)

@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode
 from drakearm.errors import ActionError, TrainingError
 from drakearm.learning import ArmVectorEnv
 from drakearm.model.reference import Reference
-from drakearm.systems import RewardWeights
+from drakearm.task import OBSERVATIONS, ReferenceStart, RewardWeights
 
 
 def shortened(reference, steps):
@@ -55,7 +55,7 @@ def test_an_arm_does_not_notice_the_others(task):
         task,
         reference=shortened(task.reference, 40),
         load_mass=5.0,
-        start_noise=0.2,
+        start=ReferenceStart(noise=0.2),
         reward=RewardWeights(position=(1.0, 2.0), velocity=(0.0, 0.3), acceleration=(1e-5, 0.0)),
     )
     actions = np.random.default_rng(0).random((50, 4, 14))
@@ -77,8 +77,8 @@ def test_tasks_for_different_arms_are_refused(task):
     weaker = replace(task.arm, muscles=(replace(first, max_isometric_force=10.0), *others))
     with pytest.raises(TrainingError, match="Task 1 differs from task 0 in its muscles: expected the same"):
         ArmVectorEnv([task, replace(task, arm=weaker)], 2)
-    with pytest.raises(TrainingError, match="Task 2 differs from task 0 in its observation"):
-        ArmVectorEnv([task, task, replace(task, observation="paper")], 4)
+    with pytest.raises(TrainingError, match="Task 2 differs from task 0 in its senses"):
+        ArmVectorEnv([task, task, replace(task, senses=OBSERVATIONS["paper"])], 4)
 
 
 def test_joints_with_other_ranges_are_refused(task, tmp_path):
@@ -115,7 +115,7 @@ def test_unusable_actions_are_refused(task, actions):
 @pytest.mark.parametrize("load", [0.0, 20.0])
 def test_random_episodes_stay_finite(task, load):
     """1000 episodes of 75 random actions, from noisy starts: no NaN, no exception."""
-    envs = ArmVectorEnv(replace(task, load_mass=load, start_noise=0.2), 500)
+    envs = ArmVectorEnv(replace(task, load_mass=load, start=ReferenceStart(noise=0.2)), 500)
     rng = np.random.default_rng(0)
     envs.reset(seed=0)
     for _ in range(2 * 75):

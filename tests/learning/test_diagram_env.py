@@ -1,5 +1,7 @@
 """DiagramEnv: Gymnasium's contract, repeatable seeds, clear refusals, and the same arm as in the closed loop."""
 
+from dataclasses import replace
+
 import gymnasium
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from drakearm.diagrams import MakePolicyLoop, MakeTrackingTask
 from drakearm.errors import ActionError
 from drakearm.learning import DiagramEnv
 from drakearm.model.reference import CONTROL_STEP
+from drakearm.task import ReferenceStart
 
 
 def make(task):
@@ -79,7 +82,7 @@ def test_environment_and_closed_loop_are_the_same_arm(task):
         return np.clip(0.1 + 0.3 * np.sin(np.arange(14) + 20.0 * observation[:14]), 0.0, 1.0)
 
     recording = MakePolicyLoop(task, policy).Run()
-    env = make(type(task)(**{**vars(task), "start_noise": 0.0}))
+    env = make(replace(task, start=ReferenceStart()))
     env.reset(seed=0)
     observation = env._observations.Eval(env._context)  # in double precision, as the closed loop sees it
     for k in range(1, len(recording.t)):

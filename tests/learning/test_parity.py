@@ -1,6 +1,6 @@
 """DiagramEnv and ArmVectorEnv are the same: every shipped scenario, alone and all in one batch, over whole episodes."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ from drakearm.experiments.environments import make_task_env, scenario_task
 from drakearm.experiments.scenario import scenario_files
 from drakearm.learning import ArmVectorEnv
 from drakearm.learning.compiled_arm import LANES
+from drakearm.task import OBSERVATIONS, SENSES, Reward, Sense, Start, StartState
 
 NAMES = list(scenario_files())
 TOLERANCE = {"first observation": 2.0**-23, "observation": 2.0**-23, "final_obs": 2.0**-23}  # float32; all else: 1e-8
@@ -34,12 +35,12 @@ def assert_same(names, step, actual, expected):
     """Names the quantity and the scenario that part most at a step. Both: quantity to array (N, ...)."""
     for quantity, values in actual.items():
         tolerance = TOLERANCE.get(quantity, 1e-8)
-        wanted = np.asarray(expected[quantity], dtype=float)
-        excess = np.abs(values - wanted) - tolerance * np.abs(wanted) - 1e-8
+        desired = np.asarray(expected[quantity], dtype=float)
+        excess = np.abs(values - desired) - tolerance * np.abs(desired) - 1e-8
         arms = excess.reshape(len(names), -1).max(axis=1)
         worst = int(arms.argmax())
         assert arms[worst] <= 0.0, (
-            f"{names[worst]} parts at step {step} in {quantity}: {values[worst]} and on the Diagram {wanted[worst]}"
+            f"{names[worst]} parts at step {step} in {quantity}: {values[worst]} and on the Diagram {desired[worst]}"
         )
 
 
@@ -89,6 +90,55 @@ def test_all_scenarios_in_one_batch(kind):
 
 
 def test_the_papers_observation(task):
-    task = replace(task, observation="paper", load_mass=5.0)
+    task = replace(task, senses=OBSERVATIONS["paper"], load_mass=5.0)
     actions = draw_actions("uniform", len(task.reference.t) - 1 + BEYOND, 2)
     assert_parity(["paper"] * 2, ArmVectorEnv(task, 2), diagrams([task] * 2), actions, seed=7)
+
+
+@dataclass(frozen=True)
+class Effort(Reward):
+    """A user's own: the squares of the excitations, and the error of the elbow."""
+
+    type = "test_effort"
+    reads = ("excitation", "tendon_force", "reference", "arm_state")
+    weight: float
+
+    def __call__(self, *signals):
+        excitation, force, reference, arm_state = signals
+        error = reference[..., 1] - arm_state[..., 1]
+        return -self.weight * (excitation**2).sum(axis=-1) - error**2 - 1e-6 * force.sum(axis=-1)
+
+
+@dataclass(frozen=True)
+class StartAnywhere(Start):
+    """A user's own: at any sample of the reference, moving as it does, with muscles that are awake."""
+
+    def __call__(self, reference, rng):
+        step = 0 if rng is None else int(rng.integers(len(reference.t) - 1))
+        return StartState(reference.q[step], reference.v[step], np.linspace(0.02, 0.3, 14), step)
+
+
+def test_a_users_own_senses_reward_and_start(task):
+    """None of them is known to the package, and both environments compute the same."""
+    power = Sense(
+        "power",
+        reads=("tendon_force", "fiber_velocity"),
+        calc=lambda force, velocity: (force * velocity).sum(axis=-1, keepdims=True),
+        size=1,
+        scale=lambda arm: 1.0 / arm.muscle_table["max_isometric_force"].sum(),
+    )
+    forces = [sense for sense in SENSES if sense.name in ("tendon_force", "excitation", "preview_q")]
+    own = replace(
+        task,
+        senses=(power, *forces),
+        reward=Effort(0.5),
+        start=StartAnywhere(),
+        lookahead=(0, 5),
+    )
+    other = replace(own, reward=Effort(0.1))
+    steps = len(task.reference.t) - 1 + BEYOND
+    for tasks in ([own, own], [own, other, own, other, own]):
+        actions = draw_actions("uniform", steps, len(tasks))
+        envs = ArmVectorEnv(tasks, len(tasks))
+        assert envs.single_observation_space.shape == (1 + 4 + 14 + 14,)
+        assert_parity(["own"] * len(tasks), envs, diagrams(tasks), actions, seed=7)

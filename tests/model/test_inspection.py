@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 
 from drakearm.errors import EquilibriumError
 from drakearm.model import Arm
-from drakearm.model.inspection import RESTING_ACTIVATION, inspect_arm, joint_ranges
-from drakearm.model.musculature import equilibrium_fiber_lengths
+from drakearm.model.inspection import inspect_arm, joint_ranges
+from drakearm.model.musculature import RESTING_ACTIVATION, equilibrium_fiber_lengths
 
 
 def with_muscles(arm: Arm, **changes) -> Arm:

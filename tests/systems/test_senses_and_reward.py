@@ -1,5 +1,7 @@
 """Proprioception, TrackingReward and PolicyController: what they put out for known inputs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
@@ -7,40 +9,41 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.systems import PolicyController, Proprioception, RewardWeights, TrackingReward
+from drakearm.systems import PolicyController, Proprioception, TrackingReward
+from drakearm.task import OBSERVATIONS, RewardWeights
 
 
-def test_paper_observation_is_normalized_lengths_and_velocities(arm, outputs):
-    senses = Proprioception(arm, "paper")
-    optimal = arm.muscle_table["optimal_fiber_length"]
+def test_paper_observation_is_normalized_lengths_and_velocities(task, outputs):
+    senses = Proprioception(replace(task, senses=OBSERVATIONS["paper"]))
+    optimal = task.arm.muscle_table["optimal_fiber_length"]
     inputs = {"fiber_length": 1.1 * optimal, "fiber_velocity": -0.5 * optimal}
     (observation,) = outputs(senses, inputs, ["observation"])
     np.testing.assert_allclose(observation, [1.1] * 14 + [-0.05] * 14)
 
 
-def test_full_observation_adds_activation_joints_and_preview(arm, outputs):
-    senses = Proprioception(arm, "full")
+def test_full_observation_adds_activation_joints_and_preview(task, outputs):
     inputs = {
         "fiber_length": np.zeros(14),
         "fiber_velocity": np.zeros(14),
         "activation": np.linspace(0.0, 1.0, 14),
         "arm_state": [0.1, 0.2, 3.0, 4.0],
-        "reference": np.arange(12.0),
+        "preview_q": np.arange(6.0),
+        "preview_v": np.arange(6.0, 12.0),
     }
-    (observation,) = outputs(senses, inputs, ["observation"])
+    (observation,) = outputs(Proprioception(task), inputs, ["observation"])
     np.testing.assert_allclose(observation[28:42], np.linspace(0.0, 1.0, 14))
     np.testing.assert_allclose(observation[42:46], [0.1, 0.2, 0.3, 0.4])
     np.testing.assert_allclose(observation[46:], [0, 1, 2, 3, 4, 5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1])
 
 
-def test_reward_is_equation_6(outputs):
+def test_reward_is_equation_6(task, outputs):
     weights = RewardWeights(position=(1.0, 2.0), velocity=(0.1, 0.2), acceleration=(0.01, 0.02))
     inputs = {
         "arm_state": [0.1, 0.2, 1.0, 2.0],
         "arm_acceleration": [3.0, 4.0],
         "reference": [0.4, 0.0, 0.0, 1.0],
     }
-    reward, error = outputs(TrackingReward(weights), inputs, ["reward", "tracking_error"])
+    reward, error = outputs(TrackingReward(replace(task, reward=weights)), inputs, ["reward", "tracking_error"])
     expected = -(0.09 + 2 * 0.04) - (0.1 * 1.0 + 0.2 * 1.0) - (0.01 * 9.0 + 0.02 * 16.0)
     assert reward[0] == pytest.approx(expected)
     np.testing.assert_allclose(error, [-0.3, 0.2])

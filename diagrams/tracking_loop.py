@@ -1,0 +1,76 @@
+"""The closed loop: a controller that drives the arm along a reference, recorded and drawn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
+from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
+from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
+
+from drakearm.diagrams.muscle_arm import MakeSimulator
+from drakearm.diagrams.tracking_task import TaskSystems
+from drakearm.model.recording import Recording
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
+
+
+@dataclass(frozen=True)
+class TrackingLoop:
+    """A closed-loop Diagram, its systems and its logs, which sample the control steps."""
+
+    diagram: Diagram
+    systems: TaskSystems
+    logs: dict[str, VectorLogSink]
+
+    def Run(self, rng: np.random.Generator | None = None) -> Recording:
+        """Simulates the reference from the task's start to the end and returns what happened.
+
+        rng: draws the noise of the start, if given.
+        """
+        simulator = MakeSimulator(self.diagram)
+        context = simulator.get_mutable_context()
+        first = self.systems.Reset(context, rng).step
+        simulator.Initialize()
+        simulator.AdvanceTo(self.systems.task.reference.duration)
+        logs = {name: log.FindLog(context) for name, log in self.logs.items()}
+        data = {name: log.data().T.copy() for name, log in logs.items()}
+        n_q = len(self.systems.task.arm.coordinates)
+        arm_state = data.pop("arm_state")
+        return Recording(
+            t=logs["reward"].sample_times().copy(),
+            q=arm_state[:, :n_q],
+            v=arm_state[:, n_q:],
+            reference_q=self.systems.task.reference.q[first:],
+            reference_v=self.systems.task.reference.v[first:],
+            reward=data.pop("reward")[:, 0],
+            **data,
+        )
+
+
+def close_loop(
+    builder: DiagramBuilder,
+    name: str,
+    systems: TaskSystems,
+    controller: LeafSystem,
+    scene_graph: SceneGraph | None,
+    meshcat: Meshcat | None,
+) -> TrackingLoop:
+    """Lets a controller's output `excitation` drive the muscles, logs and draws, and builds the Diagram of that name.
+
+    scene_graph and meshcat: both or none. The controller's inputs are connected already.
+    """
+    muscles, excitation = systems.arm.muscles, controller.GetOutputPort("excitation")
+    builder.Connect(excitation, systems.excitation.get_input_port())
+    ports = {
+        "arm_state": systems.arm.plant.get_state_output_port(),
+        "reward": systems.reward.GetOutputPort("reward"),
+        "excitation": excitation,
+    } | {name: muscles.GetOutputPort(name) for name in ("activation", "fiber_length", "fiber_velocity", "tendon_force")}
+    logs = {name: LogVectorOutput(port, builder, CONTROL_STEP) for name, port in ports.items()}
+    if meshcat:
+        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
+        MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
+        meshcat.SetTransform("/drake", upright(systems.task.arm))
+    diagram = builder.Build()
+    diagram.set_name(name)
+    return TrackingLoop(diagram, systems, logs)

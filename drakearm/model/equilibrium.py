@@ -1,0 +1,64 @@
+"""Equilibria of the whole arm: the excitations with which its muscles hold a posture."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drakearm.errors import EquilibriumError
+from drakearm.model.arm import Arm
+from drakearm.model.musculature import muscle_geometry, require_state, resting_states
+from drakearm.model.skeleton import inverse_dynamics
+from drakearm.model.static_optimization import static_activations, steady_force
+from drakearm.model.torque_arm import MakeTorqueArm
+
+_ITERATIONS = 20  # of Newton's method, which usually needs three
+_EXACT = 1e-10  # Nm
+_NEGLIGIBLE = 0.01  # Nm, what static optimization may lack where the muscles are strong enough
+
+
+class Equilibrium(NamedTuple):
+    """An arm at rest that stays at rest. n muscles, n_q coordinates."""
+
+    q: np.ndarray  # (n_q,) rad
+    excitation: np.ndarray  # (n,)
+    activation: np.ndarray  # (n,), equal to the excitation
+    fiber_length: np.ndarray  # (n,) m
+    torque: np.ndarray  # (n_q,) Nm, what the muscles exert against gravity
+
+
+def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilibrium:
+    """The smallest excitations with which the muscles hold joint angles q (n_q,), rad, with load_mass (kg) in the hand.
+
+    Static optimization (`static_activations`) finds them, and Newton's method makes the torques exact. Raises
+    EquilibriumError where the muscles are too weak, and StateError for q of another size.
+    """
+    q = np.asarray(q, dtype=float)
+    n, n_q = len(arm.muscles), len(arm.coordinates)
+    require_state("joint angles", q, (n_q,))
+    muscles, paths, rest = arm.muscle_table, arm.path_table, np.zeros(n_q)
+    plant = MakeTorqueArm(arm, load_mass)
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, q)
+    torque = inverse_dynamics(plant, context, rest)
+    activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), muscles, paths)
+    if np.abs(reserve).max() > _NEGLIGIBLE:
+        j = int(np.abs(reserve).argmax())
+        raise EquilibriumError(
+            f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: the "
+            f"{arm.coordinates[j]} lacks {abs(reserve[j]):.3g} of {abs(torque[j]):.3g} Nm."
+        )
+    lowest = muscles["minimum_activation"]
+    length, moment_arm = muscle_geometry(q, muscles, paths)
+    for _ in range(_ITERATIONS):
+        force, slope, fiber_length = np.array(
+            [steady_force(activation[i], length[i], 0.0, muscles[i].optimal_fiber_length, muscles[i]) for i in range(n)]
+        ).T
+        missing = torque - force @ moment_arm
+        if np.abs(missing).max() < _EXACT:
+            break
+        free = (activation > lowest) & (activation < 1.0)
+        gain = moment_arm[free] * slope[free, None]
+        activation[free] += np.linalg.lstsq(gain.T, missing, rcond=None)[0]
+        activation = np.clip(activation, lowest, 1.0)
+    fiber_length = resting_states(arm, q[None, :], activation)[0, n : 2 * n]
+    return Equilibrium(q, activation, activation.copy(), fiber_length, force @ moment_arm)

@@ -1,0 +1,24 @@
+"""The task: what an arm follows, what its controller senses, what is rewarded, and how an episode starts."""
+
+from drakearm.task.rewards import Reward, RewardWeights
+from drakearm.task.senses import OBSERVATIONS, SENSES, Observation, Sense, observation_set
+from drakearm.task.signals import SIGNALS, signal_size
+from drakearm.task.starts import ReferenceStart, Start, StartState
+from drakearm.task.tracking_task import LOOKAHEAD, TrackingTask
+
+__all__ = [
+    "LOOKAHEAD",
+    "OBSERVATIONS",
+    "SENSES",
+    "SIGNALS",
+    "Observation",
+    "ReferenceStart",
+    "Reward",
+    "RewardWeights",
+    "Sense",
+    "Start",
+    "StartState",
+    "TrackingTask",
+    "observation_set",
+    "signal_size",
+]
