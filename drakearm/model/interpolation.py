@@ -31,7 +31,7 @@ def coefficients(samples: np.ndarray, degree: int, n: int) -> np.ndarray:
         along = np.moveaxis(c, axis, 0)
         sums = [sum(w * sample for w, sample in zip(row, along, strict=True)) for row in _weights(degree)]
         c = np.moveaxis(np.array(sums), 0, axis)
-    return c.reshape(samples.shape)
+    return np.ascontiguousarray(c.reshape(samples.shape))
 
 
 def _weights(degree: int) -> list[list[float]]:

@@ -8,7 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 
 
 class Kind:
-    """Base of such families. A class that derives from it directly begins a family:
+    """Base of all families. A class that derives directly from it begins a family. What derives from that is a kind:
 
         class Shape(Kind):
             def area(self) -> float: ...

@@ -72,7 +72,7 @@ def test_the_pendulum_moves_as_the_authors_wrote(pendulum):
 
 @pytest.mark.slow
 def test_their_pendulum_follows_their_trajectory(pendulum):
-    """Theirs also avoids two circles, the last one at its end. Without them it differs by 0.075 rad in their solver too."""
+    """Theirs also avoids two circles, one of them at its end. Without them their own solver departs by 0.075 rad."""
     assert departure(plan_as_authors(pendulum, (0.7, 0.35))) < 0.1
 
 
