@@ -8,7 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 
 
 class Kind:
-    """Base of all families. A class that derives directly from it begins a family; its members derive from that class:
+    """Base of all families. A class that derives directly from it begins a family. What derives from that is a kind:
 
         class Shape(Kind):
             def area(self) -> float: ...
