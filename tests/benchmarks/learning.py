@@ -47,7 +47,7 @@ ROUNDS, QUICK_ROUNDS = 3, 1
 
 NOTE = """Ratio: control steps per second, relative to the first row. Memory: the most that the process had held so far.
 Comparable: ArmVectorEnv, DiagramEnv and OpenSim, which step the same arm with 14 muscles by 10 ms. MotorNet, MuJoCo and
-MyoSuite step other arms: their rows tell an order of magnitude. The two rows of PPO are comparable with each other:
+MyoSuite step other arms: their rows only show the order of magnitude. The two rows of PPO are comparable:
 both step 64 arms of ArmVectorEnv and update the networks. Only these and the row of several processes count wall time,
 all other rows count CPU time."""
 
