@@ -1,9 +1,12 @@
-"""Draws the Diagrams that drakearm builds as docs/<diagram>.svg; needs Graphviz (`dot`)."""
+"""Draws the Diagrams that drakearm builds as docs/<diagram>.svg: `python docs/draw_diagrams.py`. It needs Graphviz."""
 
+import argparse
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
-import pydot
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.trajectories import PiecewisePolynomial
 
@@ -23,17 +26,32 @@ def muscle_arm() -> Diagram:
     return diagram
 
 
-def main() -> None:
+def build_diagrams() -> list[Diagram]:
+    """The Diagrams that are drawn; each is named as its file."""
     rest = np.zeros((76, 2))
     reference = Reference(CONTROL_STEP * np.arange(76), rest, rest, rest, rest)
     task = TrackingTask(load_arm("arm14"), reference, RewardWeights((1.0, 1.0), (0.0, 0.0), (0.0, 0.0)))
     loop = MakePolicyLoop(task, lambda observation: np.zeros(14)).diagram
     disturbance = PiecewisePolynomial.ZeroOrderHold([0.0, 1.0], np.zeros((2, 2)))
     mpc = MakeMpcLoop(load_arm("arm14"), lambda time, arm_state, before: before, disturbance=disturbance).diagram
-    for diagram in (muscle_arm(), MakeTrackingTask(task)[0], loop, mpc):
-        text = diagram.GetGraphvizString(max_depth=1, options={"plant/split": "I/O"})
-        (graph,) = pydot.graph_from_dot_data(text)
-        graph.write_svg(str(Path(__file__).parent / f"{diagram.get_name()}.svg"))
+    return [muscle_arm(), MakeTrackingTask(task)[0], loop, mpc]
+
+
+def describe(diagram: Diagram) -> str:
+    """The Diagram in Graphviz's language, with the inputs and the outputs of its plant as two boxes."""
+    return diagram.GetGraphvizString(max_depth=1, options={"plant/split": "I/O"})
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent, help="another folder than docs")
+    folder = parser.parse_args().out
+    if shutil.which("dot") is None:
+        sys.exit("Graphviz is not installed: its program `dot` draws the Diagrams.")
+    for diagram in build_diagrams():
+        file = folder / f"{diagram.get_name()}.svg"
+        subprocess.run(["dot", "-Tsvg", "-o", str(file)], input=describe(diagram), text=True, check=True)
+        print(f"wrote {file}")
 
 
 if __name__ == "__main__":

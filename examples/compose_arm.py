@@ -1,4 +1,7 @@
-"""Composes the muscle arm in a Diagram of one's own, holds constant excitations, and plots what happens."""
+"""Builds a Diagram with the muscle arm, holds its excitations constant, and plots joint angles and tendon forces.
+
+Usage: python examples/compose_arm.py [compose_arm.png]
+"""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Runs a trained policy in a Diagram of one's own, here with noise on what it senses, and shows it in Meshcat.
+"""Runs a trained policy in a Diagram of your own, here with noise on its observation, and shows it in Meshcat.
 
 Usage: python examples/policy_in_meshcat.py runs/timing-0.7s
 """

@@ -1,4 +1,4 @@
-"""Model predictive control brings a pushed arm to its target all the same."""
+"""Pushes the arm during a movement: model predictive control still brings it to its target."""
 
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
@@ -12,6 +12,7 @@ PUSH_AT = 0.35  # s
 
 
 def main() -> np.ndarray:
+    """Prints where the arm is at some times; returns how far it is from the target at the end (n_q,), rad."""
     arm, movement = load_arm("arm14"), load_scenario("timing-0.7s").movement
     planner = RecedingHorizon(PlanningModel(arm), movement, horizon=1.6)
     torques = np.array([[0.0, 0.0], [-2.0, 2.0], [0.0, 0.0], [0.0, 0.0]])  # Nm, on shoulder and elbow, for 50 ms

@@ -1,4 +1,4 @@
-"""The examples run, and are short enough to read at a glance."""
+"""The examples run, and each is short."""
 
 import importlib.util
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """MyoSuite's elbow as an environment: MuJoCo, with observation and reward in Python.
 
-Run it with `python myosuite_elbow.py`, with myosuite installed. It wants an older Gymnasium than drakearm's constraints
-name, so an environment of its own.
+Run it with `python myosuite_elbow.py`, with myosuite installed. MyoSuite needs an older Gymnasium than drakearm's
+constraints name, so install it in an environment of its own.
 """
 
 import os
@@ -13,10 +13,11 @@ try:
     from myosuite import make_env
 except ImportError:
     sys.exit("not installed: pip install myosuite, in an environment of its own")
-from rates import rate, report
+from rates import is_quick, rate, report
 
 
 def main() -> None:
+    quick = is_quick(__doc__)
     env = make_env("myoElbowPose1D6MRandom-v0")
     env.reset(seed=0)
     arm, action = env.unwrapped, env.action_space.sample()
@@ -26,7 +27,7 @@ def main() -> None:
         if terminated or truncated:
             env.reset()
 
-    steps, step = rate(control_step), arm.model.opt.timestep
+    steps, step = rate(control_step, quick), arm.model.opt.timestep
     report("MyoSuite's elbow", arms=1, muscles=arm.model.nu, control_step=arm.dt, physics_step=step, steps=steps)
 
 

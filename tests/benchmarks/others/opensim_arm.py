@@ -1,25 +1,32 @@
-"""OpenSim on the paper's arm: 10 ms steps with held excitations, as the paper's authors stepped it, and coarser.
+"""OpenSim on the paper's arm: 10 ms steps with held excitations, at the accuracy of the paper's authors and a coarser.
 
-Run it with `python opensim_arm.py [14muscles.osim]`, with opensim installed; the file is in the authors' repository,
-BlueBrain/learning_musculoskeletal_arm_control.
+Run it with `OPENSIM_MODEL=path/to/14muscles.osim python opensim_arm.py`, with opensim installed; the file is in the
+authors' repository, BlueBrain/learning_musculoskeletal_arm_control.
 """
 
+import os
 import sys
 from pathlib import Path
 
+from rates import is_quick, rate, report
+
+missing = []
 try:
     import opensim
 except ImportError:
-    sys.exit("not installed: pip install opensim")
-from rates import rate, report
+    missing.append("OpenSim is not installed: pip install opensim")
+FILE = Path(os.environ.get("OPENSIM_MODEL", ""))
+if not FILE.is_file():
+    missing.append("the model file is missing: set OPENSIM_MODEL to the path of the authors' 14muscles.osim")
+if missing:
+    sys.exit("; ".join(missing))
 
-FILE = Path(__file__).parents[4] / "shared" / "arm14" / "14muscles.osim"
 STEP, EPISODE = 0.01, 75  # s, steps
 
 
-def make_arm(file: Path) -> opensim.Model:
+def make_arm() -> opensim.Model:
     """The arm with every muscle's excitation held at 0.1."""
-    model = opensim.Model(str(file))
+    model = opensim.Model(str(FILE))
     controller = opensim.PrescribedController()
     for i in range(model.getMuscles().getSize()):
         muscle = model.getMuscles().get(i)
@@ -31,7 +38,7 @@ def make_arm(file: Path) -> opensim.Model:
 
 
 class Episodes:
-    """Calls advance the arm by a control step, or start a new episode first where one is over."""
+    """Each call advances the arm by a control step. Where an episode is over, it starts a new one first."""
 
     def __init__(self, model: opensim.Model, accuracy: float):
         self._model, self._accuracy, self._steps = model, accuracy, EPISODE
@@ -49,13 +56,11 @@ class Episodes:
 
 
 def main() -> None:
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    if not file.is_file():
-        sys.exit(f"{file.name} is not here")
+    quick = is_quick(__doc__)
     opensim.Logger.setLevelString("Off")
-    model = make_arm(file)
+    model = make_arm()
     for name, accuracy in (("as the authors", 1e-6), ("coarse", 1e-2)):
-        steps = rate(Episodes(model, accuracy))
+        steps = rate(Episodes(model, accuracy), quick)
         what = f"OpenSim, accuracy {accuracy:g} ({name})"
         report(what, arms=1, muscles=14, control_step=STEP, physics_step=None, steps=steps)
 

@@ -1,18 +1,30 @@
-"""What all measurements of speed share: how a rate is measured, and the line of JSON that tells it."""
+"""What the measurements of speed share: their option, how a rate is measured, and the line of JSON that reports it."""
 
+import argparse
 import json
 import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+PARTS, PART = 5, 0.3  # s
+QUICK_PARTS, QUICK_PART = 1, 0.06  # enough for the end of an episode
 
-def rate(call: Callable[[], object], clock: Callable[[], float] = time.process_time, parts: int = 5) -> float:
-    """Calls a second, of CPU time by default: the median of parts of 0.3 s each, after one part to warm up."""
+
+def is_quick(description: str | None) -> bool:
+    """Reads the command line of a script with this description: whether it has the option `--quick`."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--quick", action="store_true", help="measures briefly: the same rows, but they mean nothing")
+    return parser.parse_args().quick
+
+
+def rate(call: Callable[[], object], quick: bool, clock: Callable[[], float] = time.process_time) -> float:
+    """Calls per second, of CPU time by default: the median of some parts, after one part to warm up."""
+    parts, seconds = (QUICK_PARTS, QUICK_PART) if quick else (PARTS, PART)
     rates = []
     for _ in range(parts + 1):
         calls, start = 0, clock()
-        while (elapsed := clock() - start) < 0.3:
+        while (elapsed := clock() - start) < seconds:
             call()
             calls += 1
         rates.append(calls / elapsed)
@@ -22,7 +34,10 @@ def rate(call: Callable[[], object], clock: Callable[[], float] = time.process_t
 def report(
     what: str, *, arms: int, muscles: int, control_step: float, physics_step: float | None, steps: float
 ) -> None:
-    """Prints a row as JSON. steps: control steps a second, of all arms together; physics_step: None where it varies."""
+    """Prints a row as JSON.
+
+    steps: control steps per second, of all arms together. physics_step: s; None where its length varies.
+    """
     physics = steps * control_step / physics_step if physics_step else None
     row = {
         "what": what,
@@ -38,7 +53,7 @@ def report(
 
 
 def peak_memory() -> float | None:
-    """The most memory that this process has held, MB; None where the system does not tell."""
+    """The most memory that this process has held so far, MB; None where the system does not tell."""
     status = Path("/proc/self/status")  # getrusage would count what the parent process held
     if not status.exists():
         return None

@@ -1,7 +1,7 @@
 """Stable-Baselines3's PPO on drakearm's vector environment, with drakearm's default settings, collecting and updating.
 
-Run it with `python sb3_ppo.py`, with drakearm and stable-baselines3 installed. Its networks have the same sizes; its
-critic's activation is tanh where drakearm's is PReLU.
+Run it with `python sb3_ppo.py`, with drakearm and stable-baselines3 installed. Its networks have the sizes of
+drakearm's. The activation function of its critic is tanh, that of drakearm's is PReLU.
 """
 
 import statistics
@@ -17,18 +17,21 @@ try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError:
     sys.exit("not installed: pip install stable-baselines3")
-from rates import report
+from rates import is_quick, report
 
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv, PpoSettings
 from drakearm.model import load_arm
 from drakearm.planning import plan
 
-BATCHES = 8
+BATCHES, QUICK_BATCHES = 8, 3
 
 
 class Sb3VecEnv(VecEnv):
-    """ArmVectorEnv as Stable-Baselines3 wants it: ends reset in the same step, the last observation is in the info."""
+    """ArmVectorEnv in Stable-Baselines3's form.
+
+    An environment whose episode ends is reset in the same step; the episode's last observation is in the info.
+    """
 
     def __init__(self, envs: ArmVectorEnv):
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
@@ -65,7 +68,7 @@ class Sb3VecEnv(VecEnv):
 
 
 class BatchTimes(BaseCallback):
-    """Notes when each batch begins."""
+    """Notes the time at which each batch begins, s."""
 
     def __init__(self):
         super().__init__()
@@ -79,7 +82,8 @@ class BatchTimes(BaseCallback):
 
 
 def main() -> None:
-    torch.set_num_threads(1)  # with two it is slower: the networks are too small to share out
+    batches = QUICK_BATCHES if is_quick(__doc__) else BATCHES
+    torch.set_num_threads(1)  # with two it is slower: the networks are too small to share between threads
     settings = PpoSettings()
     scenario = load_scenario("timing-0.7s")
     task = scenario.task(plan(load_arm(scenario.arm), scenario.movement).reference)
@@ -105,8 +109,8 @@ def main() -> None:
         device="cpu",
     )
     watch = BatchTimes()
-    ppo.learn(BATCHES * batch, callback=watch)
-    steps = batch / statistics.median(np.diff(watch.times)[1:])
+    ppo.learn(batches * batch, callback=watch)
+    steps = batch / statistics.median(np.diff(watch.times)[1:])  # without the first batch, which warms up
     report(
         "Stable-Baselines3's PPO on ArmVectorEnv",
         arms=settings.environments,
