@@ -1,8 +1,6 @@
 """Scenarios: the movements of the paper, each a YAML file: what to plan and how to learn it."""
 
-import re
 from dataclasses import field, replace
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +11,8 @@ from pydantic.dataclasses import dataclass
 
 from drakearm.diagrams import TrackingTask
 from drakearm.errors import ScenarioError
+from drakearm.experiments.catalog import find_scenario
+from drakearm.experiments.choices import Preset
 from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import load_arm
 from drakearm.model.obstacle import Obstacle
@@ -20,17 +20,9 @@ from drakearm.model.reference import Reference
 from drakearm.planning import Movement
 from drakearm.systems import OBSERVATIONS, RewardWeights
 
-_SHIPPED = Path(__file__).parent / "scenarios"
 _STRICT = ConfigDict(extra="forbid")
 
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-
-
-class Preset(StrEnum):
-    """Where the settings of observation and training come from that a scenario file does not give."""
-
-    drakearm = "drakearm"
-    paper = "paper"  # 28 observations, learned from random weights; overrules the file's own settings
 
 
 @dataclass(frozen=True, config=_STRICT)
@@ -74,26 +66,6 @@ class Scenario:
             start_noise=np.deg2rad(self.tracking.start_noise_deg),
             obstacle=self.obstacle,
         )
-
-
-def scenario_files() -> dict[str, Path]:
-    """The shipped scenarios: name and file, 2 kg before 10 kg."""
-
-    def numbers(file: Path) -> list[str | int]:
-        return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.stem)]
-
-    return {file.stem: file for file in sorted(_SHIPPED.glob("*.yaml"), key=numbers)}
-
-
-def find_scenario(scenario: str | Path) -> Path:
-    """The file of a shipped scenario's name, or a path. Raises ScenarioError, listing the names, for all else."""
-    shipped = scenario_files()
-    file = shipped.get(str(scenario), Path(scenario))
-    if not file.is_file():
-        raise ScenarioError(
-            f"There is no scenario {str(scenario)!r}: expected the path of a file or one of {', '.join(shipped)}."
-        )
-    return file
 
 
 def load_scenario(scenario: str | Path) -> Scenario:
