@@ -10,10 +10,10 @@ import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.diagrams import AddMuscleArm, MakeMpcLoop, MakePolicyLoop, MakeTrackingTask, TrackingTask
+from drakearm.diagrams import AddMuscleArm, MakeMpcLoop, MakePolicyLoop, MakeTrackingTask
 from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP, Reference
-from drakearm.systems import RewardWeights
+from drakearm.task import RewardWeights, TrackingTask
 
 
 def muscle_arm() -> Diagram:

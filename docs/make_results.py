@@ -14,9 +14,7 @@ from typing import Any
 import yaml
 from rich.progress import track
 
-from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import scenario_files
-from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
+from drakearm.experiments import RunFolder, evaluate_step, plan_step, replay_step, scenario_files, train_step
 
 RUNS = Path("runs/results")
 PAGE = Path(__file__).parent / "results.md"

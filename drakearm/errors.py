@@ -1,5 +1,8 @@
 """The errors that a user of drakearm can cause, each with one sentence saying what, where and what was expected."""
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 
 class DrakearmError(Exception):
     """Base of every error that drakearm raises on purpose."""
@@ -47,3 +50,12 @@ class PolicyFileError(DrakearmError):
 
 class RunFolderError(DrakearmError):
     """A run folder that lacks a file, or one that would have been overwritten."""
+
+
+class OwnCodeError(DrakearmError):
+    """A user's own module or file, given with `--import`, that cannot be found or fails when it is imported."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """The text " (did you mean X?)" with the known name that is closest; empty if none is close."""
+    return "".join(f" (did you mean {close}?)" for close in get_close_matches(name, known, n=1))

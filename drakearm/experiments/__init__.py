@@ -1,1 +1,50 @@
-"""The paper's movements as scenarios, and what it takes to run and judge them."""
+"""Scenarios, and the steps from a scenario to a plan, a policy, its metrics and a replay.
+
+Each name is imported when it is first used: the command line lists scenarios without loading Drake or PyTorch.
+"""
+
+from typing import TYPE_CHECKING
+
+from drakearm.lazy import lazy_attributes
+
+__all__ = [
+    "EnvKind",
+    "Preset",
+    "RunFolder",
+    "Scenario",
+    "evaluate_step",
+    "load_scenario",
+    "make_env",
+    "make_task_env",
+    "make_vector_env",
+    "plan_step",
+    "replay_step",
+    "run_policy",
+    "run_policy_stochastic",
+    "scenario_files",
+    "scenario_task",
+    "tracking_metrics",
+    "train_step",
+]
+
+if TYPE_CHECKING:
+    from drakearm.experiments.catalog import scenario_files
+    from drakearm.experiments.choices import EnvKind, Preset
+    from drakearm.experiments.environments import make_env, make_task_env, make_vector_env, scenario_task
+    from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics
+    from drakearm.experiments.run_folder import RunFolder
+    from drakearm.experiments.scenario import Scenario, load_scenario
+    from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
+else:
+    __getattr__, __dir__ = lazy_attributes(
+        __name__,
+        {
+            "drakearm.experiments.catalog": ("scenario_files",),
+            "drakearm.experiments.choices": ("EnvKind", "Preset"),
+            "drakearm.experiments.environments": ("make_env", "make_task_env", "make_vector_env", "scenario_task"),
+            "drakearm.experiments.metrics": ("run_policy", "run_policy_stochastic", "tracking_metrics"),
+            "drakearm.experiments.run_folder": ("RunFolder",),
+            "drakearm.experiments.scenario": ("Scenario", "load_scenario"),
+            "drakearm.experiments.steps": ("evaluate_step", "plan_step", "replay_step", "train_step"),
+        },
+    )

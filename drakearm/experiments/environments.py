@@ -1,13 +1,13 @@
 """The environments in which a scenario is learned, alone or many at once."""
 
 from collections.abc import Sequence
-from enum import StrEnum
 from functools import lru_cache, partial
 from pathlib import Path
 
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 
 from drakearm.diagrams import MakeTrackingTask
+from drakearm.experiments.choices import EnvKind
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv, DiagramEnv
 from drakearm.model import load_arm
@@ -25,7 +25,7 @@ def make_env(scenario: str | Path, reference: Reference | None = None) -> Diagra
 
 
 def make_vector_env(scenario: str | Path | Sequence[str | Path], num_envs: int) -> ArmVectorEnv:
-    """Environments of one scenario (name or file), or of several round-robin, each with its own plan as reference.
+    """Environments of one scenario (name or file) or, round-robin, of several; each follows its own plan.
 
     This is what `gymnasium.make_vec("drakearm/Track-v0", num_envs=..., scenario=...)` makes.
     """
@@ -43,13 +43,6 @@ def make_task_env(task: TrackingTask) -> DiagramEnv:
     diagram, systems = MakeTrackingTask(task)
     episode_steps = len(task.reference.t) - 1
     return DiagramEnv(diagram, systems.Reset, control_step=CONTROL_STEP, episode_steps=episode_steps)
-
-
-class EnvKind(StrEnum):
-    """How the arms of a training are simulated; the result is the same to rounding errors."""
-
-    compiled = "compiled"  # all arms in one compiled call
-    diagram = "diagram"  # every arm a Drake Diagram, in a process of its own
 
 
 def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:

@@ -24,13 +24,13 @@ def run_policy(task: TrackingTask, policy: Policy) -> Recording:
 
 
 def run_policy_stochastic(task: TrackingTask, policy: Policy, seed: int) -> list[Recording]:
-    """STOCHASTIC_RUNS closed-loop runs with sampled excitations, each from a start of its own."""
+    """STOCHASTIC_RUNS closed-loop runs with sampled excitations, each from its own random start."""
     generators = [np.random.default_rng([seed, run]) for run in range(STOCHASTIC_RUNS)]
     return [MakePolicyLoop(task, partial(policy.act, rng=rng)).Run(rng) for rng in generators]
 
 
 def tracking_metrics(deterministic: Recording, stochastic: Sequence[Recording]) -> dict[str, Any]:
-    """Errors in rad, one a joint, of the deterministic run; and what became of the stochastic ones."""
+    """The deterministic run's errors in rad, one per joint, and those of the stochastic runs."""
     error = _error(deterministic)
     means = np.array([_error(run).mean(axis=0) for run in stochastic])
     return {

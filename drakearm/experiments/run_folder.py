@@ -9,19 +9,21 @@ from typing import Any
 import yaml
 
 from drakearm.errors import RunFolderError
-from drakearm.experiments.scenario import Preset, Scenario, find_scenario, load_scenario
+from drakearm.experiments.catalog import find_scenario
+from drakearm.experiments.choices import Preset
+from drakearm.experiments.scenario import Scenario, load_scenario
 
 
 class RunFolder:
-    """The files of a run; each step of a run reads those of the steps before it and writes its own."""
+    """The files of a run. Each step reads the files of the steps before it and writes its own."""
 
     FILES = {  # noqa: RUF012
-        "scenario": "scenario.yaml",  # a copy of what was asked for
+        "scenario": "scenario.yaml",  # a copy of the scenario's file
         "reference": "reference.npz",  # Reference: what the joints should do
         "plan": "plan.json",  # how it was found, its costs and margins, and whether the muscles can do it
         "plan_picture": "plan.png",
         "policy": "policy.safetensors",  # Policy: what was learned
-        "training_log": "training.csv",  # a row a batch
+        "training_log": "training.csv",  # one row per batch
         "training": "training.json",  # seed, steps, seconds
         "recording": "recording.npz",  # Recording of the deterministic run
         "metrics": "metrics.json",
@@ -31,19 +33,20 @@ class RunFolder:
     def __init__(self, folder: Path):
         self.folder = folder
         self._paths = {name: folder / file for name, file in self.FILES.items()}
+        self._arm = folder / "arm"  # a copy of the arm, if it is a user's own
 
     def path(self, name: str) -> Path:
         """The path of a file to write."""
         return self._paths[name]
 
     def existing(self, name: str, step: str) -> Path:
-        """The path of a file to read. Raises RunFolderError, naming the command that makes it, where it is missing."""
+        """The path of a file to read. Raises RunFolderError, naming the command that makes it, if it is missing."""
         if not self._paths[name].is_file():
             raise RunFolderError(f"{self._paths[name]} is missing: `drakearm {step}` makes it.")
         return self._paths[name]
 
     def claim(self, names: tuple[str, ...], overwrite: bool) -> None:
-        """Makes the folder ready for a step that writes these files. Raises RunFolderError where one exists already."""
+        """Makes the folder for a step that writes these files. Raises RunFolderError if one of them exists already."""
         present = [self._paths[name] for name in names if self._paths[name].exists()]
         if present and not overwrite:
             raise RunFolderError(
@@ -54,19 +57,32 @@ class RunFolder:
     def keep_scenario(self, scenario: str | Path, preset: Preset | None = None) -> Scenario:
         """Copies the scenario's file, and its arm if that is a user's own, into the folder and returns the scenario.
 
-        preset: in place of the file's. Raises ScenarioError where it is not valid.
+        preset: replaces the file's. Raises ScenarioError if the scenario is not valid.
         """
         file, loaded = find_scenario(scenario), load_scenario(scenario)
         if file.resolve() == self.path("scenario").resolve():
             return loaded
-        text = file.read_text()
-        if preset is not None:
-            text = re.sub(r"^preset:.*\n", "", text, flags=re.MULTILINE) + f"\npreset: {preset}\n"
+        text = _with_preset(file.read_text(), preset)
         if Path(loaded.arm).is_absolute():
-            shutil.copytree(loaded.arm, self.folder / "arm", dirs_exist_ok=True)
-            text = yaml.safe_dump({**yaml.safe_load(text), "arm": "arm"}, sort_keys=False)
+            shutil.copytree(loaded.arm, self._arm, dirs_exist_ok=True)
+            text = yaml.safe_dump({**yaml.safe_load(text), "arm": self._arm.name}, sort_keys=False)
         self.path("scenario").write_text(text)
         return self.scenario()
+
+    def holds_plan_of(self, scenario: str | Path, preset: Preset | None = None) -> bool:
+        """Whether the folder holds a plan of this scenario, with the same fields, preset and arm.
+
+        preset: replaces the file's. Raises ScenarioError if this scenario or the folder's is not valid.
+        """
+        if not all(self.path(name).is_file() for name in ("scenario", "reference", "plan")):
+            return False
+        self.scenario()  # is valid
+        file, arm = find_scenario(scenario), load_scenario(scenario).arm
+        kept = {"preset": Preset.drakearm} | yaml.safe_load(self.path("scenario").read_text())
+        fields = {"preset": Preset.drakearm} | yaml.safe_load(_with_preset(file.read_text(), preset))
+        if not Path(arm).is_absolute():
+            return kept == fields
+        return kept == {**fields, "arm": kept.get("arm")} and _contents(Path(arm)) == _contents(self._arm)
 
     def scenario(self) -> Scenario:
         """The scenario of this run."""
@@ -76,9 +92,21 @@ class RunFolder:
         self.path(name).write_text(json.dumps(content, indent=2) + "\n")
 
     def read_json(self, name: str, step: str) -> dict[str, Any]:
-        """Raises RunFolderError where the file is missing or damaged."""
+        """Raises RunFolderError if the file is missing or damaged."""
         file = self.existing(name, step)
         try:
             return json.loads(file.read_text())
         except ValueError as error:
             raise RunFolderError(f"{file} is damaged: {error}.") from error
+
+
+def _with_preset(text: str, preset: Preset | None) -> str:
+    """The text of a scenario's file with another preset."""
+    if preset is None:
+        return text
+    return re.sub(r"^preset:.*\n", "", text, flags=re.MULTILINE) + f"\npreset: {preset}\n"
+
+
+def _contents(folder: Path) -> dict[Path, bytes]:
+    """The content of each file in a folder and its subfolders, by its path in the folder."""
+    return {file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()}

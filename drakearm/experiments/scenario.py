@@ -1,35 +1,25 @@
 """Scenarios: the movements of the paper, each a YAML file: what to plan and how to learn it."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import field, replace
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import yaml
-from pydantic import BeforeValidator, ConfigDict, InstanceOf, TypeAdapter, ValidationError, field_validator
+from pydantic import BeforeValidator, InstanceOf, TypeAdapter, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import ScenarioError
+from drakearm.experiments.catalog import find_scenario
+from drakearm.experiments.choices import Preset
 from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import load_arm
-from drakearm.model.fields import NonNegative
+from drakearm.model.fields import STRICT, NonNegative
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 from drakearm.planning import Movement
 from drakearm.task import OBSERVATIONS, ReferenceStart, Reward, RewardWeights, TrackingTask, observation_set
-
-_SHIPPED = Path(__file__).parent / "scenarios"
-_STRICT = ConfigDict(extra="forbid")
-
-
-class Preset(StrEnum):
-    """Where the settings of observation and training come from that a scenario file does not give."""
-
-    drakearm = "drakearm"
-    paper = "paper"  # 28 observations, learned from random weights; overrules the file's own settings
 
 
 def _read_reward(value: Any) -> Reward:
@@ -39,7 +29,7 @@ def _read_reward(value: Any) -> Reward:
     return Reward.read(value)
 
 
-@dataclass(frozen=True, config=_STRICT)
+@dataclass(frozen=True, config=STRICT)
 class Tracking:
     """How the movement is sensed and rewarded while it is learned."""
 
@@ -55,7 +45,7 @@ class Tracking:
         return observation
 
 
-@dataclass(frozen=True, config=_STRICT)
+@dataclass(frozen=True, config=STRICT)
 class Scenario:
     """One movement: what a file in `scenarios/` or of a user's own holds."""
 
@@ -80,26 +70,6 @@ class Scenario:
             load_mass=self.load_mass,
             obstacle=self.obstacle,
         )
-
-
-def scenario_files() -> dict[str, Path]:
-    """The shipped scenarios: name and file, 2 kg before 10 kg."""
-
-    def numbers(file: Path) -> list[str | int]:
-        return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.stem)]
-
-    return {file.stem: file for file in sorted(_SHIPPED.glob("*.yaml"), key=numbers)}
-
-
-def find_scenario(scenario: str | Path) -> Path:
-    """The file of a shipped scenario's name, or a path. Raises ScenarioError, listing the names, for all else."""
-    shipped = scenario_files()
-    file = shipped.get(str(scenario), Path(scenario))
-    if not file.is_file():
-        raise ScenarioError(
-            f"There is no scenario {str(scenario)!r}: expected the path of a file or one of {', '.join(shipped)}."
-        )
-    return file
 
 
 def load_scenario(scenario: str | Path) -> Scenario:

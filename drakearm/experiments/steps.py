@@ -6,17 +6,12 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from drakearm.experiments.environments import EnvKind, make_training_envs
-from drakearm.experiments.metrics import (
-    run_policy,
-    run_policy_stochastic,
-    tracking_metrics,
-    versions,
-)
-from drakearm.experiments.plan_picture import write_plan_picture
-from drakearm.experiments.plan_report import PlanReport
+from drakearm.experiments.choices import EnvKind, Preset
+from drakearm.experiments.environments import make_training_envs
+from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics, versions
 from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import Preset, Scenario, load_scenario
+from drakearm.experiments.scenario import Scenario, load_scenario
+from drakearm.figures import write_plan_picture
 from drakearm.learning import BatchReport, Policy, imitate, train
 from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
@@ -24,24 +19,39 @@ from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
 from drakearm.planning import plan
 from drakearm.planning.feasibility import muscle_feasibility
+from drakearm.planning.plan_report import PlanReport
 from drakearm.replay import write_replay
 from drakearm.task import TrackingTask
 
-PLANNED = ("reference", "plan", "plan_picture")  # what `plan_step` writes, beside the scenario
+# The files that a step writes, by their names in RunFolder.FILES
+PLANNED = ("reference", "plan", "plan_picture")  # and the scenario
+TRAINED = ("policy", "training", "training_log")
+EVALUATED = ("metrics", "recording")
+REPLAYED = ("replay",)
 
 
 def plan_step(
     run: RunFolder, scenario: str | Path, horizon: float | None = None, preset: Preset | None = None
 ) -> PlanReport:
-    """Finds the optimal reference of a scenario, and whether the muscles can do it. Writes nothing where it fails.
+    """Finds the optimal reference of a scenario, and whether the muscles can do it. Writes nothing if it fails.
 
-    horizon: s, plans in a receding horizon (see `plan`). preset: in place of the scenario's, for the training to come.
+    horizon: s, plans in a receding horizon (see `plan`). preset: replaces the scenario's, for the later training.
     """
     loaded = load_scenario(scenario)
     arm = load_arm(loaded.arm)
     planned = plan(arm, loaded.movement, loaded.load_mass, loaded.obstacle, horizon)
     feasibility = muscle_feasibility(arm, planned.reference, loaded.load_mass)
-    report = PlanReport(run.keep_scenario(scenario, preset), arm, planned, feasibility)
+    run.keep_scenario(scenario, preset)
+    report = PlanReport(
+        name=loaded.name,
+        description=loaded.description,
+        arm=arm,
+        movement=loaded.movement,
+        load_mass=loaded.load_mass,
+        obstacle=loaded.obstacle,
+        plan=planned,
+        feasibility=feasibility,
+    )
     planned.reference.save(run.path("reference"))
     run.write_json("plan", report.content)
     write_plan_picture(report, run.path("plan_picture"))
@@ -57,9 +67,11 @@ def train_step(
     on_round: Callable[[int, int], None] | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
-    """Learns the excitations that follow the run's reference. batches: in place of the scenario's number.
+    """Learns the excitations that follow the run's reference. batches: replaces the scenario's number.
 
-    on_round: called with the number of each round of imitation, from 1, and how many there are.
+    on_round: called after each round of imitation with its number, from 1, and the number of rounds. on_batch: called
+    after each batch; by then the policy so far and training.json are in the run folder, so an interrupted training can
+    be evaluated too.
     """
     scenario = run.scenario()
     settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
@@ -72,7 +84,7 @@ def train_step(
         imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
 
     def keep(report: BatchReport) -> None:
-        """Notes how far the training got, so that an interrupted one can be evaluated too."""
+        """Writes how far the training has come."""
         progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
         finished = report.batch == report.batches
         about = {"seed": seed, "env": env.value, "finished": finished, "settings": asdict(settings)}

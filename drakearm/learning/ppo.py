@@ -119,8 +119,8 @@ def train(
 
     `metadata` goes into the policy. `prepare` may teach the actor before it learns by trying, as
     `imitate` does. `log_path` gets a CSV row a batch, with the fields of
-    BatchReport; `checkpoint_path` the policy so far after every tenth of the batches and at the
-    end; `on_batch` is called after every batch. Raises TrainingError for environments that PPO
+    BatchReport; `checkpoint_path` the policy so far after every batch, before `on_batch` is called with
+    the batch's report. Raises TrainingError for environments that PPO
     cannot use and as soon as a number is not finite.
     """
     observation_space, action_space = _suitable_spaces(envs, settings)
@@ -168,7 +168,7 @@ def train(
             )
             batch_start = now
             write_row(report)
-            if checkpoint_path and (batch % max(1, settings.batches // 10) == 0 or batch == settings.batches):
+            if checkpoint_path:
                 policy.save(checkpoint_path)
             if on_batch:
                 on_batch(report)

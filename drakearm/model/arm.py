@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 from pydantic.dataclasses import dataclass
 from scipy.interpolate import BSpline
 
-from drakearm.model.fields import Finite, Positive
+from drakearm.model.fields import STRICT, Finite, Positive
 from drakearm.model.paths import make_path_table
 from drakearm.muscle.models import MODEL_CODES, MODELS
 from drakearm.muscle.parameters import MUSCLE_DTYPE
@@ -17,12 +17,11 @@ from drakearm.muscle.parameters import MUSCLE_DTYPE
 Fraction = Annotated[float, Field(gt=0, lt=1)]
 Name = Annotated[str, Field(min_length=1)]
 
-_STRICT = ConfigDict(extra="forbid")
 _DENSITY = 1059.7  # kg/m^3, of muscle (Mendez and Keys 1960)
 _STEEPEST = np.arccos(0.1)  # pennation at the minimum fiber length, as in OpenSim
 
 
-@dataclass(frozen=True, config=_STRICT)
+@dataclass(frozen=True, config=STRICT)
 class PathTerm:
     """What one coordinate (rad) contributes to a musculotendon length (m): a B-spline, linear outside its knots."""
 
@@ -47,7 +46,7 @@ class PathTerm:
         return BSpline(np.array(self.knots), np.array(self.coefficients), degree)
 
 
-@dataclass(frozen=True, config=_STRICT)
+@dataclass(frozen=True, config=STRICT)
 class Muscle:
     """A Hill-type muscle. Units: m, N, s, rad, Pa; strains, shapes and fractions have none.
 
@@ -124,7 +123,7 @@ class Muscle:
         return MODELS[self.model].passive_constants(self.passive_strain, self.passive_shape)
 
 
-@dataclass(frozen=True, config=_STRICT)
+@dataclass(frozen=True, config=STRICT)
 class Capsule:
     """A part of the arm as an obstacle meets it: everything within a radius of the line between two ends. Units: m."""
 
@@ -133,7 +132,7 @@ class Capsule:
     ends: tuple[tuple[Name, tuple[Finite, Finite, Finite]], tuple[Name, tuple[Finite, Finite, Finite]]]  # (body, p)
 
 
-@dataclass(frozen=True, config=_STRICT)
+@dataclass(frozen=True, config=STRICT)
 class Arm:
     """An arm: a skeleton file for Drake's Parser and the muscles on it. `load_arm` reads one from a folder."""
 

@@ -6,7 +6,7 @@ from typing import Any
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
-from drakearm.errors import ArmError
+from drakearm.errors import ArmError, did_you_mean
 from drakearm.model.arm import Arm
 
 _SHIPPED = Path(__file__).parent
@@ -23,8 +23,8 @@ def load_arm(arm: str | Path = "arm14") -> Arm:
     file = folder / "muscles.yaml"
     if not file.is_file():
         raise ArmError(
-            f"There is no arm {str(arm)!r}: expected one of {', '.join(sorted(shipped))} "
-            "or a folder with a muscles.yaml."
+            f"There is no arm {str(arm)!r}{did_you_mean(str(arm), shipped)}: "
+            f"expected one of {', '.join(sorted(shipped))} or a folder with a muscles.yaml."
         )
     fields = _merge_defaults(_read(file), file)
     fields["skeleton"] = folder.resolve() / str(fields.get("skeleton", ""))

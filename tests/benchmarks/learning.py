@@ -27,7 +27,6 @@ from others.rates import rate, report
 from rich.console import Console
 from rich.table import Table
 
-from drakearm.diagrams import TrackingTask
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.experiments.environments import make_task_env
 from drakearm.experiments.metrics import run_policy
@@ -37,6 +36,7 @@ from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning import plan
+from drakearm.task import TrackingTask
 
 OTHERS = Path(__file__).parent / "others"
 SCENARIO = "timing-0.7s"

@@ -15,7 +15,7 @@ import pytest
 
 BENCHMARKS = Path(__file__).parent
 DOCS = Path(__file__).parents[2] / "docs"
-WITHOUT_QUICK = {"ablation", "integration"}  # they get `--quick` in other branches: remove the names when it is merged
+WITHOUT_QUICK = {"integration"}
 SCRIPTS = [
     file
     for file in sorted(BENCHMARKS.glob("*.py"))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drakearm.errors import ScenarioError
-from drakearm.experiments.scenario import scenario_files
+from drakearm.experiments import scenario_files
 from drakearm.learning import ArmVectorEnv
 
 

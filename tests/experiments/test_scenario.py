@@ -4,8 +4,8 @@ import pytest
 import yaml
 
 from drakearm.errors import ScenarioError
+from drakearm.experiments import Preset, load_scenario, scenario_files
 from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import Preset, load_scenario, scenario_files
 from drakearm.learning import PAPER
 
 

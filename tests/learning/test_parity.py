@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from drakearm.experiments import scenario_files
 from drakearm.experiments.environments import make_task_env, scenario_task
-from drakearm.experiments.scenario import scenario_files
 from drakearm.learning import ArmVectorEnv
 from drakearm.learning.compiled_arm import LANES
 from drakearm.task import OBSERVATIONS, SENSES, Reward, Sense, Start, StartState

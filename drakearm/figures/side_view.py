@@ -1,4 +1,4 @@
-"""An arm seen from the side, flat: along the obstacle's axis, or across the plane in which the arm moves."""
+"""An arm projected onto a plane: along the obstacle's axis if there is one, else along the axis of the first joint."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ Capsule2d = tuple[np.ndarray, np.ndarray, float]  # ends (2,) of a line and the 
 
 
 class SideView:
-    """Where the parts of an arm are in a picture, in m: to the right and up, seen from the world's positive side."""
+    """Where the parts of an arm are in a picture, in m to the right and up, seen from the positive end of the axis."""
 
     def __init__(self, arm: Arm, obstacle: Obstacle | None = None):
         self._arm = arm
@@ -22,7 +22,7 @@ class SideView:
         """The directions (2, 3) of the picture in the world."""
         if self._obstacle is not None:
             toward = self._obstacle.direction
-        else:  # the axis of the world that is nearest to that of the first joint
+        else:  # the axis of the world that is closest to the axis of the first joint
             joint = self._plant.GetJointByName(self._arm.coordinates[0])
             axis = joint.frame_on_parent().CalcPoseInWorld(self._context).rotation().multiply(joint.revolute_axis())
             toward = np.eye(3)[np.abs(axis).argmax()]
@@ -39,14 +39,14 @@ class SideView:
         return self._axes @ point
 
     def stick(self, q: np.ndarray) -> np.ndarray:
-        """The joints and the tip of the hand (n_q + 1, 2) at joint angles q (n_q,), rad."""
+        """The positions (n_q + 1, 2) of the joints and of the tip of the hand at joint angles q (n_q,), rad."""
         self._plant.SetPositions(self._context, q)
         frames = [self._plant.GetJointByName(name).frame_on_child() for name in self._arm.coordinates]
         frames.append(self._plant.GetFrameByName(self._arm.tip_frame))
         return np.array([self.project(frame.CalcPoseInWorld(self._context).translation()) for frame in frames])
 
     def outline(self, q: np.ndarray) -> list[Capsule2d]:
-        """The capsules of the arm that an obstacle can meet, at joint angles q (n_q,), rad."""
+        """The capsules of the arm that an obstacle can touch, at joint angles q (n_q,), rad."""
         self._plant.SetPositions(self._context, q)
 
         def place(end: tuple) -> np.ndarray:

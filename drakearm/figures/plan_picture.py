@@ -1,4 +1,4 @@
-"""A picture of a plan: what the joints do, where the hand goes and what it takes of the muscles."""
+"""A picture of a plan: what the joints do, where the hand goes and what the muscles must do."""
 
 from pathlib import Path
 
@@ -8,25 +8,26 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from drakearm.experiments.plan_report import PlanReport
-from drakearm.experiments.side_view import SideView
+from drakearm.figures.side_view import SideView
+from drakearm.figures.style import NOTE_COLOR, finish_panel, joint_color, literal_text
 from drakearm.planning.feasibility import NEGLIGIBLE
+from drakearm.planning.plan_report import PlanReport
 from drakearm.systems.muscle_visualizer import activation_color
 
-# Okabe and Ito's colors, which color-blind readers can tell apart
-_JOINT_COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")
 _ABLE, _LACK, _OBSTACLE, _NEAREST = "#00734F", "#CC0A1A", "#CC5C3D", "#009480"
 _HAND, _ARM, _HELD = "#F28C0D", "#2B3440", "#F1F3F6"
-_NEAR = 0.15  # of the height of a panel: limits that a joint stays further away from are told, not drawn
+_NEAR = 0.15  # of the height of a panel: limits that are farther away than this are written but not drawn
 _FONT = 10
 _DPI = 100
 
 
+@literal_text
 def write_plan_picture(report: PlanReport, file: Path) -> None:
     """Draws the plan into a .png."""
     draw_plan(report).savefig(file, dpi=_DPI)
 
 
+@literal_text
 def draw_plan(report: PlanReport) -> Figure:
     """Angles, speeds and torques over time on the left; the arm from the side and its activations on the right."""
     figure = Figure(figsize=(13.5, 9.2), facecolor="white")
@@ -49,8 +50,10 @@ def draw_plan(report: PlanReport) -> Figure:
 def _draw_angles(panel: Axes, report: PlanReport) -> None:
     angles = np.rad2deg(report.plan.reference.q)
     _by_joint(panel, report, angles, np.rad2deg(report.plan.q))
-    for j, target in enumerate(report.scenario.movement.target_deg):
-        panel.plot(report.plan.t[-1], target, marker="D", markersize=7, fillstyle="none", color=_color(j), zorder=3)
+    for j, target in enumerate(report.movement.target_deg):
+        panel.plot(
+            report.plan.t[-1], target, marker="D", markersize=7, fillstyle="none", color=joint_color(j), zorder=3
+        )
     lowest, highest = (np.rad2deg(limit) for limit in report.angle_limits)
     _title(panel, "joint angles (°), ◇ target", _draw_limits(panel, report, angles, lowest, highest, "°"))
 
@@ -58,22 +61,22 @@ def _draw_angles(panel: Axes, report: PlanReport) -> None:
 def _draw_speeds(panel: Axes, report: PlanReport) -> None:
     speeds = report.plan.reference.v
     _by_joint(panel, report, speeds, report.plan.v)
-    limit = np.array(report.scenario.movement.speed_limit)
+    limit = np.array(report.movement.speed_limit)
     _title(panel, "joint speeds (rad/s)", _draw_limits(panel, report, speeds, -limit, limit, " rad/s"))
 
 
 def _draw_torques(panel: Axes, report: PlanReport) -> None:
-    """The torques, and between them and what the muscles can exert what is missing."""
+    """The torques of the plan. Where the muscles can exert less, the difference is hatched."""
     feasibility, torques = report.feasibility, report.plan.reference.tau
     _by_joint(panel, report, torques, report.plan.tau)
-    limit = np.array(report.scenario.movement.torque_limit)
+    limit = np.array(report.movement.torque_limit)
     _title(panel, "joint torques (Nm)", _draw_limits(panel, report, torques, -limit, limit, " Nm"))
     lacks = []
     for j, name in enumerate(feasibility.coordinates):
         lack = np.where(np.abs(feasibility.reserve[:, j]) > NEGLIGIBLE, feasibility.reserve[:, j], 0.0)
         if lack.any():
             lacks.append(panel.fill_between(feasibility.t, torques[:, j] - lack, torques[:, j]))
-            lacks[-1].set(facecolor=(_color(j), 0.28), edgecolor=_LACK, linewidth=0, hatch="////")
+            lacks[-1].set(facecolor=(joint_color(j), 0.28), edgecolor=_LACK, linewidth=0, hatch="////")
             lacks[-1].set_label(f"{name}: the muscles lack up to {np.abs(lack).max():.3g} Nm")
     if lacks:
         low, high = panel.get_ylim()
@@ -82,27 +85,23 @@ def _draw_torques(panel: Axes, report: PlanReport) -> None:
 
 
 def _by_joint(panel: Axes, report: PlanReport, samples: np.ndarray, knots: np.ndarray) -> None:
-    """A line a joint through the samples (N, n_q) of the reference, with a dot at each knot (K, n_q)."""
+    """One line per joint through the samples (N, n_q) of the reference, with a dot at each knot (K, n_q)."""
     for j, name in enumerate(report.feasibility.coordinates):
-        panel.plot(report.plan.reference.t, samples[:, j], color=_color(j), linewidth=2.0, label=name)
-        panel.plot(report.plan.t, knots[:, j], ".", color=_color(j), markersize=5)
-
-
-def _color(joint: int) -> str:
-    return _JOINT_COLORS[joint % len(_JOINT_COLORS)]
+        panel.plot(report.plan.reference.t, samples[:, j], color=joint_color(j), linewidth=2.0, label=name)
+        panel.plot(report.plan.t, knots[:, j], ".", color=joint_color(j), markersize=5)
 
 
 def _draw_limits(
     panel: Axes, report: PlanReport, samples: np.ndarray, lowest: np.ndarray, highest: np.ndarray, unit: str
 ) -> str:
-    """Draws those of the limits (n_q,) that a joint comes near, and returns all of them as text."""
+    """Draws the limits (n_q,) that a joint comes close to, and returns all limits as text."""
     panel.margins(y=0.08)
     room = _NEAR * np.ptp(panel.get_ylim())
     near_lowest, near_highest = lowest >= samples.min(axis=0) - room, highest <= samples.max(axis=0) + room
     for bounds, near in ((lowest, near_lowest), (highest, near_highest)):
         for j in np.flatnonzero(near).tolist():
-            dashes = (4.0 * j, (4, 4))  # so that two joints' dashes alternate
-            panel.axhline(bounds[j], color=_color(j), linewidth=1.2, linestyle=dashes, zorder=1)
+            dashes = (4.0 * j, (4, 4))  # so that the dashes of two joints alternate
+            panel.axhline(bounds[j], color=joint_color(j), linewidth=1.2, linestyle=dashes, zorder=1)
     drawn = "- - " if near_lowest.any() or near_highest.any() else ""
     if np.ptp(highest) == 0.0 and np.all(lowest == -highest):
         return f"{drawn}limits ±{highest[0]:g}{unit}"
@@ -112,24 +111,22 @@ def _draw_limits(
 
 def _title(panel: Axes, title: str, limits: str) -> None:
     panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold")
-    panel.set_title(limits, loc="right", fontsize=_FONT - 0.5, color="#555555")
+    panel.set_title(limits, loc="right", fontsize=_FONT - 0.5, color=NOTE_COLOR)
 
 
 def _finish_time_axis(panel: Axes, report: PlanReport) -> None:
-    """The time of rest after the movement's end is gray."""
+    """Makes the time of rest after the end of the movement gray."""
     end, last = report.plan.t[-1], report.plan.reference.t[-1]
     panel.axhline(0.0, color="black", linewidth=0.7, zorder=0.5)
     panel.axvspan(end, last, color=_HELD, zorder=0)
     panel.set_xlim(0.0, last)
-    panel.grid(color="#DDDDDD", linewidth=0.6)
-    panel.set_axisbelow(True)
-    panel.spines[["top", "right"]].set_visible(False)
+    finish_panel(panel)
     panel.tick_params(labelsize=_FONT)
 
 
 def _draw_arm(panel: Axes, report: PlanReport) -> None:
-    """Sticks of the arm at a few even times, the hand's way, and how near the obstacle comes."""
-    reference, obstacle = report.plan.reference, report.scenario.obstacle
+    """The arm as sticks at six times, the path of the hand, and the arm where it is closest to the obstacle."""
+    reference, obstacle = report.plan.reference, report.obstacle
     view = SideView(report.arm, obstacle)
     end = int(np.searchsorted(reference.t, report.plan.t[-1] - 1e-9))
     for k in np.unique(np.linspace(0, end, 6).round().astype(int)):
@@ -138,11 +135,11 @@ def _draw_arm(panel: Axes, report: PlanReport) -> None:
         panel.plot(*stick.T, "-", color=_ARM, alpha=shade, linewidth=2.5, solid_capstyle="round", zorder=2)
         panel.plot(*stick[:-1].T, "o", color=_ARM, alpha=shade, markersize=5, zorder=2)
     hand = np.array([view.stick(q)[-1] for q in reference.q])
-    forward = 1 if hand[end, 0] >= hand[0, 0] else -1  # the times stand before and behind the hand's way
+    forward = 1 if hand[end, 0] >= hand[0, 0] else -1  # the times are written before and behind the path of the hand
     for k, side in ((0, -forward), (end, forward)):
         text, sideways = f"{reference.t[k]:.2f} s", "left" if side > 0 else "right"
         panel.annotate(text, hand[k], (7 * side, -4), textcoords="offset points", ha=sideways, fontsize=_FONT - 1)
-    panel.plot(*hand.T, color=_HAND, linewidth=2.5, zorder=4, label="way of the hand")
+    panel.plot(*hand.T, color=_HAND, linewidth=2.5, zorder=4, label="path of the hand")
     title = "the arm from the side (m)"
     found = report.plan.verification
     if obstacle is not None and found.nearest_time is not None and found.clearance is not None:
@@ -156,9 +153,7 @@ def _draw_arm(panel: Axes, report: PlanReport) -> None:
     panel.margins(0.08)
     panel.set_aspect("equal", adjustable="datalim")
     panel.legend(loc="best", fontsize=_FONT - 1, framealpha=0.7, edgecolor="none")
-    panel.grid(color="#DDDDDD", linewidth=0.6)
-    panel.set_axisbelow(True)
-    panel.spines[["top", "right"]].set_visible(False)
+    finish_panel(panel)
     panel.tick_params(labelsize=_FONT)
 
 
@@ -171,7 +166,7 @@ def _capsule(a: np.ndarray, b: np.ndarray, radius: float) -> np.ndarray:
 
 
 def _draw_activations(panel: Axes, report: PlanReport) -> None:
-    """What static optimization asks of each muscle; where even this is not enough, a red bar at the top."""
+    """The activations that static optimization finds. A red bar at the top marks the times when they are not enough."""
     feasibility = report.feasibility
     names = report.arm.muscle_names
     colors = ListedColormap(activation_color(np.linspace(0.0, 1.0, 256)))
@@ -195,10 +190,10 @@ def _draw_activations(panel: Axes, report: PlanReport) -> None:
 
 
 def _head(figure: Figure, report: PlanReport) -> None:
-    """What was planned, how that went, and what the muscles make of it."""
+    """What was planned, how it was found, and whether the muscles can do it."""
     plan, found, feasibility = report.plan, report.plan.verification, report.feasibility
     costs = ", ".join(f"{name} {value:.3g}" for name, value in plan.costs.items())
-    load = f"Load {report.scenario.load_mass:g} kg. " if report.scenario.load_mass else ""
+    load = f"Load {report.load_mass:g} kg. " if report.load_mass else ""
     facts = (
         f"{plan.solver}: {plan.status}, {plan.iterations} iterations, {plan.seconds:.2f} s. {load}"
         f"Dots are the {len(plan.t)} knots. Costs: {costs}.\n"
@@ -206,8 +201,8 @@ def _head(figure: Figure, report: PlanReport) -> None:
         f"torque {found.torque_margin:.3g} Nm. "
         f"Equations of motion hold to {found.speed_defect:.1g} rad/s and {found.acceleration_defect:.1g} rad/s²."
     )
-    figure.text(0.02, 0.985, report.scenario.name, fontsize=18, fontweight="bold", va="top")
-    figure.text(0.02, 0.948, report.scenario.description, fontsize=_FONT + 1, va="top")
+    figure.text(0.02, 0.985, report.name, fontsize=18, fontweight="bold", va="top")
+    figure.text(0.02, 0.948, report.description, fontsize=_FONT + 1, va="top")
     color = _ABLE if feasibility.feasible else _LACK
     figure.text(0.02, 0.926, feasibility.verdict, fontsize=_FONT + 1, va="top", color=color, fontweight="bold")
-    figure.text(0.02, 0.903, facts, fontsize=_FONT, va="top", color="#555555", linespacing=1.35)
+    figure.text(0.02, 0.903, facts, fontsize=_FONT, va="top", color=NOTE_COLOR, linespacing=1.35)

@@ -1,44 +1,23 @@
-"""The command `drakearm`, end to end on a tiny budget, and its refusals."""
+"""`drakearm run` and the steps one by one, on a tiny budget, and what they refuse."""
 
 import csv
 import json
+import os
+import pty
+import re
 import shutil
+from contextlib import suppress
 
 import numpy as np
 import pytest
 import yaml
-from typer.testing import CliRunner
 
-from drakearm import cli
-from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import scenario_files
-from drakearm.experiments.steps import plan_step, train_step
+from drakearm.experiments import RunFolder
 from drakearm.learning import Policy
 from drakearm.model import load_arm
 from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
-
-
-@pytest.fixture(scope="session")
-def tiny(tmp_path_factory):
-    """A scenario like timing-0.7s that plans with few knots and trains on few arms."""
-    fields = yaml.safe_load(scenario_files()["timing-0.7s"].read_text())
-    fields["movement"]["knots"] = 15
-    fields["training"] = {"batches": 2, "environments": 4, "minibatches": 2, "epochs": 2}
-    file = tmp_path_factory.mktemp("scenario") / "tiny.yaml"
-    file.write_text(yaml.safe_dump({**fields, "name": "tiny"}))
-    return str(file)
-
-
-def drakearm(*arguments, code=0):
-    """Runs the command in this process and returns what it printed."""
-    try:
-        result = CliRunner().invoke(cli.app, [str(a) for a in arguments], catch_exceptions=False)
-    except cli.DrakearmError as error:
-        assert code == 1
-        return str(error)
-    assert result.exit_code == code, result.output
-    return result.output
+from tests.cli.command import drakearm, start
 
 
 @pytest.fixture(scope="session")
@@ -59,6 +38,50 @@ def test_run_writes_every_file_and_prints_a_table(finished):
     assert {file.name for file in out.iterdir()} == set(RunFolder.FILES.values())
     for part in ("Gauss-Newton", "solution found", "600 steps", "mean error", "shoulder", "elbow", "seed 3", "replay"):
         assert part in printed, part
+
+
+def test_without_a_terminal_progress_is_lines_of_text(finished):
+    lines = [line for line in finished[1].splitlines() if line.startswith("training")]
+    rounds = [f"training: imitated static optimization, round {number} of 4" for number in range(1, 5)]
+    assert lines[:4] == rounds
+    assert len(lines) == 5 and lines[4].startswith("training 2 of 2: error 0.")
+
+
+def test_a_line_is_printed_every_ten_batches_and_at_the_end(tiny, tmp_path):
+    drakearm("plan", tiny, "--out", tmp_path)
+    printed = drakearm("train", tiny, "--batches", 25, "--out", tmp_path)
+    assert re.findall(r"^training (\d+) of 25: error", printed, re.MULTILINE) == ["10", "20", "25"]
+
+
+def test_in_a_terminal_progress_is_a_bar(tiny, tmp_path):
+    drakearm("plan", tiny, "--out", tmp_path)
+    terminal, end = pty.openpty()
+    process = start("train", tiny, "--out", tmp_path, stdout=end, env={**os.environ, "TERM": "xterm"})
+    os.close(end)
+    printed = b""
+    with suppress(OSError):  # the process has closed its end
+        while part := os.read(terminal, 1024):
+            printed += part
+    os.close(terminal)
+    assert process.wait() == 0
+    assert "━" in printed.decode() and "2/2" in printed.decode()
+    assert "training 2 of 2" not in printed.decode()
+
+
+def test_run_continues_with_the_plan_in_the_folder(finished, tiny, tmp_path):
+    drakearm("plan", tiny, "--out", tmp_path)
+    before = (tmp_path / "plan.json").read_bytes()
+    printed = drakearm("run", tiny, "--out", tmp_path, "--seed", 3)
+    assert "continuing with the plan in" in printed and "planned with" not in printed
+    assert (tmp_path / "plan.json").read_bytes() == before
+    assert numbers(tmp_path) == numbers(finished[0])
+
+
+def test_run_refuses_a_plan_of_another_preset(tiny, tmp_path):
+    drakearm("plan", tiny, "--out", tmp_path)
+    before = (tmp_path / "plan.json").read_bytes()
+    assert "exists already" in drakearm("run", tiny, "--out", tmp_path, "--preset", "paper", code=1)
+    assert (tmp_path / "plan.json").read_bytes() == before
 
 
 def test_metrics_hold_what_is_promised(finished):
@@ -82,7 +105,7 @@ def test_metrics_are_those_of_the_recording(finished):
     np.testing.assert_allclose(metrics["end_error"], error[-1])
 
 
-def test_log_has_a_row_a_batch_with_the_diagnostics(finished):
+def test_log_has_one_row_per_batch_with_the_diagnostics(finished):
     rows = list(csv.DictReader((finished[0] / "training.csv").open()))
     assert [row["batch"] for row in rows] == ["1", "2"]
     for key in ("approx_kl", "clip_fraction", "explained_variance", "tracking_error", "steps_per_second"):
@@ -125,20 +148,6 @@ def test_limb_of_a_users_own(tiny, tmp_path):
     assert Recording.load(tmp_path / "run" / "recording.npz").activation.shape == (76, 9)
 
 
-def test_interrupted_training_leaves_a_policy_that_can_be_evaluated(tiny, tmp_path):
-    run = RunFolder(tmp_path)
-    plan_step(run, tiny)
-
-    def interrupt(report):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        train_step(run, seed=0, on_batch=interrupt)
-    drakearm("evaluate", tiny, "--out", tmp_path)
-    assert numbers(tmp_path)["training_steps"] == 300
-    assert not json.loads((tmp_path / "training.json").read_text())["finished"]
-
-
 def test_nothing_is_overwritten_silently(finished, tiny):
     out, _ = finished
     before = numbers(out)
@@ -165,30 +174,3 @@ def test_folder_of_another_scenario_is_refused(finished):
     out, _ = finished
     for step in ("train", "evaluate", "replay"):
         assert "holds a run of tiny" in drakearm(step, "timing-0.7s", "--out", out, "--overwrite", code=1)
-
-
-def test_unknown_scenario_lists_the_known_ones():
-    assert "timing-0.7s" in drakearm("run", "dancing", code=1)
-
-
-def test_errors_are_one_sentence_and_exit_code_1(monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["drakearm", "run", "dancing"])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 1
-    printed = capsys.readouterr().err
-    assert "timing-0.7s" in printed and "Traceback" not in printed
-
-
-def test_list_shows_the_shipped_scenarios():
-    printed = drakearm("list")
-    for name in scenario_files():
-        assert name in printed
-
-
-@pytest.mark.parametrize("command", [[], ["plan"], ["train"], ["evaluate"], ["replay"], ["run"], ["list"]])
-def test_help_teaches(command):
-    printed = CliRunner().invoke(cli.app, [*command, "--help"]).output
-    assert len(printed) > 200
-    if command and command != ["list"]:
-        assert "SCENARIO" in printed and "--out" in printed

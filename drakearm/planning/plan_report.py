@@ -1,33 +1,39 @@
-"""What is told about a plan: the plan itself, and whether the muscles can do it."""
+"""What is reported about a plan: what was asked for, what was found, and whether the muscles can do it."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from drakearm.experiments.scenario import Scenario
 from drakearm.model import Arm
-from drakearm.planning import Plan, PlanningModel
+from drakearm.model.obstacle import Obstacle
 from drakearm.planning.feasibility import Feasibility
+from drakearm.planning.movement import Movement
+from drakearm.planning.planning_model import PlanningModel
+from drakearm.planning.result import Plan
 
 
 @dataclass(frozen=True)
 class PlanReport:
-    """A scenario's plan and what the muscles make of it."""
+    """A movement with its name, its plan, and whether the muscles can do it."""
 
-    scenario: Scenario
+    name: str
+    description: str
     arm: Arm
+    movement: Movement
+    load_mass: float  # kg, in the hand
+    obstacle: Obstacle | None
     plan: Plan
     feasibility: Feasibility
 
     @property
     def angle_limits(self) -> tuple[np.ndarray, np.ndarray]:
         """The lowest and highest joint angles (n_q,) that the movement may have, rad."""
-        return PlanningModel(self.arm).angle_limits(self.scenario.movement.angle_limit_deg)
+        return PlanningModel(self.arm).angle_limits(self.movement.angle_limit_deg)
 
     @property
     def content(self) -> dict[str, Any]:
-        """What plan.json holds. SI and radians; margins are negative beyond the limit."""
+        """The content of plan.json, in SI units and radians; margins are negative beyond the limit."""
         plan, feasibility = self.plan, self.feasibility
         reserve = np.abs(feasibility.reserve).max(axis=0)
         return {

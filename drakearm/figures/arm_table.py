@@ -3,6 +3,7 @@
 import numpy as np
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 from drakearm.model.inspection import Inspection, Interval, MuscleInspection
 from drakearm.model.musculature import RESTING_ACTIVATION
@@ -22,10 +23,10 @@ _COLUMNS = (
 
 
 def muscle_table(inspection: Inspection) -> Table:
-    """A row a muscle; below the table what its columns mean, and where muscles have no equilibrium."""
+    """One row per muscle; below the table what its columns mean, and where muscles have no equilibrium."""
     table = Table(
-        title=f"{inspection.arm.name}: {len(inspection.muscles)} muscles",
-        caption=_caption(inspection),
+        title=Text(f"{inspection.arm.name}: {len(inspection.muscles)} muscles"),
+        caption=Text(_caption(inspection)),
         caption_justify="left",
         box=box.SIMPLE_HEAD,
         padding=0,
@@ -35,7 +36,7 @@ def muscle_table(inspection: Inspection) -> Table:
         number = column not in ("muscle", "model", "tendon", "moment arm\nmm")
         table.add_column(column, justify="right" if number else "left", no_wrap=not column.startswith("moment"))
     for inspected in inspection.muscles:
-        table.add_row(*_row(inspected))
+        table.add_row(*map(Text, _row(inspected)))
     return table
 
 
@@ -60,7 +61,7 @@ def _caption(inspection: Inspection) -> str:
     ranges = ", ".join(f"{name} {_degrees(r)}" for name, r in inspection.ranges.items())
     lines = [
         f"Ranges are over the joint ranges: {ranges}. A positive moment arm raises the angle. Working range: fiber "
-        f"length in equilibrium at activation {RESTING_ACTIVATION:g}, over optimal fiber length. Force: maximum "
+        f"length in equilibrium at activation {RESTING_ACTIVATION:g}, in optimal fiber lengths. Force: maximum "
         "isometric force. Fiber: optimal length. Slack: slack length of the tendon. Penn.: pennation at the optimal "
         "fiber length. Mass: of the fibers."
     ]

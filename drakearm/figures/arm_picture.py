@@ -1,4 +1,4 @@
-"""A picture of an inspected arm: a row of small panels a muscle. Angles are in degrees, for a person reads them."""
+"""A picture of an inspected arm: one row of small panels per muscle. Angles are in degrees, for people to read."""
 
 from pathlib import Path
 
@@ -9,12 +9,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from drakearm.errors import RunFolderError
+from drakearm.figures.style import finish_panel, joint_color, literal_text
 from drakearm.model.inspection import Crossing, Inspection, MuscleInspection
 from drakearm.model.musculature import RESTING_ACTIVATION
 
-# Okabe and Ito's colors, which color-blind readers can tell apart
-_JOINT_COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")
 _ACTIVE, _PASSIVE, _RESTING, _WORKING = "#000000", "#CC79A7", "#777777", "#F0E442"
 _TITLES = (
     "musculotendon length\n(mm)",
@@ -35,27 +33,21 @@ _TOP, _TITLE, _BOTTOM, _MARGIN = 2.15, 1.2, 0.65, 0.2
 _FONT = 9.5
 
 
-def check_picture_path(file: Path, overwrite: bool) -> None:
-    """Raises RunFolderError unless a picture may be written to `file`."""
-    if file.suffix != ".png":
-        raise RunFolderError(f"{file} is no name for a picture: expected one that ends in .png.")
-    if file.exists() and not overwrite:
-        raise RunFolderError(f"{file} exists already: choose another file with --out, or replace it with --overwrite.")
-
-
-def write_picture(inspection: Inspection, file: Path) -> None:
-    """Draws the arm into a .png."""
+@literal_text
+def write_arm_picture(inspection: Inspection, file: Path) -> None:
+    """Draws the arm into a .png, and makes the file's folder if there is none."""
     file.parent.mkdir(parents=True, exist_ok=True)
     draw_arm(inspection).savefig(file, dpi=110)
 
 
+@literal_text
 def draw_arm(inspection: Inspection) -> Figure:
     """Lengths, moment arms and curves of every muscle."""
     n = len(inspection.muscles)
     width = _MARGIN + _LABEL + 5 * (_PANEL + _GAP) + _MARGIN
     height = _TOP + n * (_ROW + _ROW_GAP) + _BOTTOM
     figure = Figure(figsize=(width, height), facecolor="white")
-    colors = {name: _JOINT_COLORS[i % len(_JOINT_COLORS)] for i, name in enumerate(inspection.ranges)}
+    colors = {name: joint_color(i) for i, name in enumerate(inspection.ranges)}
     panels = []
     for i in range(n):
         bottom = height - _TOP - i * (_ROW + _ROW_GAP) - _ROW
@@ -90,7 +82,7 @@ def _label(panel: Axes, inspected: MuscleInspection) -> None:
 
 
 def _by_angle(panel: Axes, crossing: Crossing, values: np.ndarray, color: str) -> None:
-    """A line over the joint angle, dotted where the path function was not fitted but goes on along its tangent."""
+    """A line over the joint angle. It is dotted where the path function is its tangent, outside the fitted range."""
     q = np.rad2deg(crossing.q)
     fitted = (crossing.q >= crossing.fitted.lower) & (crossing.q <= crossing.fitted.upper)
     panel.plot(q, values, color=color, linewidth=1.1, linestyle=(0, (1, 1.6)))
@@ -148,7 +140,7 @@ def _draw_tendon(panel: Axes, inspected: MuscleInspection) -> None:
 
 
 def _share_axes(panels: list[list[Axes]], inspection: Inspection) -> None:
-    """Equal limits and ticks down a column; names of the horizontal axes at the top and the bottom only."""
+    """Gives all panels of a column the same limits and ticks, and labels the horizontal axes in the last row only."""
     lower = np.rad2deg(min(r.lower for r in inspection.ranges.values()))
     upper = np.rad2deg(max(r.upper for r in inspection.ranges.values()))
     fastest = max(m.curves.velocity[-1] for m in inspection.muscles)
@@ -168,16 +160,14 @@ def _share_axes(panels: list[list[Axes]], inspection: Inspection) -> None:
             panel.xaxis.set_major_locator(MultipleLocator(1))
         if j >= 2:
             panel.yaxis.set_major_locator(MultipleLocator(0.5))
-        panel.grid(color="#DDDDDD", linewidth=0.6)
-        panel.set_axisbelow(True)
-        panel.spines[["top", "right"]].set_visible(False)
+        finish_panel(panel)
         panel.tick_params(labelsize=_FONT, length=3, labelbottom=i == last)
         if i == last:
             panel.set_xlabel(_X_LABELS[j], fontsize=_FONT + 1)
 
 
 def _head(figure: Figure, panels: list[list[Axes]], inspection: Inspection, colors: dict[str, str]) -> None:
-    """Titles of the columns and what their lines mean."""
+    """The titles of the columns, with legends, and what holds for the whole picture."""
     joints = [Line2D([], [], color=color, linewidth=2.0, label=name) for name, color in colors.items()]
     beyond = Line2D([], [], color="black", linewidth=1.1, linestyle=(0, (1, 1.6)), label="beyond the fitted path")
     others = Patch(color=_RESTING, alpha=0.3, linewidth=0, label="at all angles of the other joints")
@@ -220,9 +210,9 @@ def _head(figure: Figure, panels: list[list[Axes]], inspection: Inspection, colo
     figure.text(
         (_MARGIN + _LABEL + _GAP) / width,
         1 - 0.16 / height,
-        f"Joint ranges: {ranges}. While one joint moves, the others stay at: {neutral}.\n"
-        f"Working range: fibers (over optimal length) and tendons in equilibrium over all joint angles, at activation "
-        f"{RESTING_ACTIVATION:g}. Mass is that of the fibers.",
+        f"Joint ranges: {ranges}. While one joint moves, the others stay at {neutral}.\n"
+        "Working range: fiber lengths (in optimal lengths) and tendon strains in equilibrium over all joint angles, "
+        f"at activation {RESTING_ACTIVATION:g}. Mass is that of the fibers.",
         fontsize=_FONT + 0.5,
         va="top",
         linespacing=1.4,

@@ -1,46 +1,44 @@
-"""Plans for the terminal: the facts about one, and a table of many."""
+"""Tables of plans for the terminal: the facts about one plan, and an overview of many."""
 
 from collections.abc import Mapping
 
 import numpy as np
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 from drakearm.errors import DrakearmError
-from drakearm.experiments.plan_report import PlanReport
+from drakearm.figures.fact_table import fact_table
 from drakearm.planning.feasibility import Feasibility
+from drakearm.planning.plan_report import PlanReport
 
 _COLUMNS = ("scenario", "status", "s", "iter.", "angle\n°", "torque\nNm", "clear.\ncm", "muscles")
 
 
-def fact_table(report: PlanReport) -> Table:
-    """How a plan was found, what it costs, how near it comes to its limits and whether the muscles can do it."""
+def plan_facts(report: PlanReport) -> Table:
+    """How a plan was found, what it costs, how close it comes to its limits and whether the muscles can do it."""
     plan, found = report.plan, report.plan.verification
     costs = ", ".join(f"{name} {value:#.4g}" for name, value in plan.costs.items())
-    table = Table(title=report.scenario.name, show_header=False)
-    table.add_row("solver", f"{plan.solver}: {plan.status}, {plan.iterations} iterations, {plan.seconds:.2f} s")
-    table.add_row("movement", f"{plan.t[-1]:.2f} s, {len(plan.t)} knots")
-    table.add_row("costs", f"{costs}; in all {sum(plan.costs.values()):#.4g}")
-    table.add_row(
-        "margins",
-        f"angle {_degrees(found.angle_margin)}°, speed {found.speed_margin:.3g} rad/s, "
+    facts = {
+        "solver": f"{plan.solver}: {plan.status}, {plan.iterations} iterations, {plan.seconds:.2f} s",
+        "movement": f"{plan.t[-1]:.2f} s, {len(plan.t)} knots",
+        "costs": f"{costs}; sum {sum(plan.costs.values()):#.4g}",
+        "margins": f"angle {_degrees(found.angle_margin)}°, speed {found.speed_margin:.3g} rad/s, "
         f"torque {found.torque_margin:.3g} Nm",
-    )
+    }
     if found.clearance is not None:
-        table.add_row(
-            "clearance", f"{_clearance(report)} cm, of the {found.nearest_part} at {found.nearest_time:.2f} s"
-        )
-    table.add_row("defects", f"{found.speed_defect:.2g} rad/s, {found.acceleration_defect:.2g} rad/s²")
-    table.add_row("muscles", report.feasibility.verdict)
-    return table
+        facts["clearance"] = f"{_clearance(report)} cm, of the {found.nearest_part} at {found.nearest_time:.2f} s"
+    facts["defects"] = f"{found.speed_defect:.2g} rad/s, {found.acceleration_defect:.2g} rad/s²"
+    facts["muscles"] = report.feasibility.verdict
+    return fact_table(report.name, facts)
 
 
 def plans_table(results: Mapping[str, PlanReport | DrakearmError]) -> Table:
-    """A row a scenario; below the table why some have no plan."""
+    """One row per scenario; below the table why some have no plan."""
     failures = [f"{name}: {error}" for name, error in results.items() if isinstance(error, DrakearmError)]
     table = Table(
-        title=f"{len(results) - len(failures)} of {len(results)} movements planned",
-        caption="\n".join([_CAPTION, *failures]),
+        title=Text(f"{len(results) - len(failures)} of {len(results)} movements planned"),
+        caption=Text("\n".join([_CAPTION, *failures])),
         caption_justify="left",
         box=box.SIMPLE_HEAD,
         padding=0,
@@ -50,13 +48,15 @@ def plans_table(results: Mapping[str, PlanReport | DrakearmError]) -> Table:
         words = column in ("scenario", "status", "muscles")
         table.add_column(column, justify="left" if words else "right", no_wrap=column != "scenario", overflow="fold")
     for name, result in results.items():
-        table.add_row(*([name, "no plan"] if isinstance(result, DrakearmError) else _row(name, result)))
+        cells = (name, "no plan") if isinstance(result, DrakearmError) else _row(name, result)
+        table.add_row(*map(Text, cells))
     return table
 
 
 _CAPTION = (
-    "iter.: the solver's iterations. Angle, torque, clear.: margins to the nearest limit of any joint and to the "
-    "obstacle, between the knots too. Muscles: the largest activation, or the torque that they lack."
+    "iter.: iterations of the solver. Angle, torque: the smallest margin of any joint to its limit. Clear.: the "
+    "smallest distance to the obstacle. Margins and distances are also checked between the knots. Muscles: the largest "
+    "activation, or the torque that they lack."
 )
 
 

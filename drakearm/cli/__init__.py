@@ -1,0 +1,71 @@
+"""The command `drakearm`: from a scenario's name to a plan, a policy, its metrics and a replay in the browser.
+
+Each command is one file here. It imports Drake, PyTorch and matplotlib when it runs, so that `--help` and `list` answer
+at once.
+"""
+
+import logging
+import sys
+from typing import Annotated
+
+import typer
+
+from drakearm.cli import evaluate, inspect, plan, replay, run, train
+from drakearm.cli.console import console, show_error
+from drakearm.cli.list import list_scenarios
+from drakearm.errors import DrakearmError
+
+# Typer imports pydantic to convert a flag that is not given, unless its default is False. That would double the time.
+_QUICK_FLAGS = {"help": False, "install_completion": False, "show_completion": False, "list": {"help": False}}
+
+app = typer.Typer(
+    no_args_is_help=True,
+    context_settings={"default_map": _QUICK_FLAGS},
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    help="""A human arm with 14 Hill-type muscles in Drake.
+
+    A run has four steps: **plan** finds the optimal joint movement, **train** learns muscle excitations that follow it,
+    **evaluate** measures how well, **replay** shows it in a browser. `drakearm run SCENARIO` does the four in a row.
+
+    Start with `drakearm list`, then `drakearm run timing-0.7s`. `drakearm plan --help` explains one step.
+    """,
+)
+app.command("list")(list_scenarios)
+app.command("inspect")(inspect.inspect)
+app.command("plan")(plan.plan)
+app.command("train")(train.train)
+app.command("evaluate")(evaluate.evaluate)
+app.command("replay")(replay.replay)
+app.command("run")(run.run)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from drakearm.version import __version__
+
+        console.print(f"drakearm {__version__}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Entry point: errors that a user can cause are one sentence on stderr and exit code 1."""
+    logging.getLogger("drake").setLevel(logging.WARNING)  # Meshcat announces itself when a replay is written
+    try:
+        app()
+    except DrakearmError as error:
+        show_error(error)
+        sys.exit(1)
+    except SystemError as error:  # what Numba makes of Ctrl-C while it loads or compiles a function
+        if not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
+        sys.exit(130)

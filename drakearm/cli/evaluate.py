@@ -1,0 +1,37 @@
+"""`drakearm evaluate`."""
+
+from typing import TYPE_CHECKING, Any
+
+from drakearm.cli.console import console, say
+from drakearm.cli.folders import planned_run_folder
+from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument
+from drakearm.cli.own_code import import_own_code
+
+if TYPE_CHECKING:
+    from drakearm.experiments import RunFolder
+
+
+def evaluate(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False, imports: Import = None) -> None:
+    """Measure how well the policy follows the plan, on the Drake Diagram.
+
+    Runs the policy once without noise and 10 times with noise. Writes metrics.json (errors in rad) and recording.npz
+    (angles, activations and forces of the run without noise), and prints a table.
+    """
+    import_own_code(imports)
+    from drakearm.experiments import evaluate_step
+    from drakearm.experiments.steps import EVALUATED
+
+    run = planned_run_folder(scenario, out)
+    run.existing("policy", f"train {scenario}")
+    run.claim(EVALUATED, overwrite)
+    show_metrics(run, evaluate_step(run))
+
+
+def show_metrics(run: "RunFolder", metrics: dict[str, Any]) -> None:
+    """Prints how the plan, the training and the evaluation of a run went."""
+    from drakearm.figures import metrics_table
+    from drakearm.model import load_arm
+
+    joints = load_arm(run.scenario().arm).coordinates
+    console.print(metrics_table(metrics, run.read_json("plan", "plan"), joints))
+    say(f"files in {run.folder}")

@@ -1,0 +1,42 @@
+"""`drakearm inspect`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drakearm.cli.console import console, say
+from drakearm.errors import RunFolderError
+
+
+def inspect(
+    arm: Annotated[str, typer.Argument(help="arm14, or the folder of your own arm.", metavar="ARM")],
+    out: Annotated[
+        Path | None, typer.Option("--out", help="The picture, a .png file. [default: ARM.png]", show_default=False)
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an earlier picture.")] = False,
+) -> None:
+    """Look at an arm's muscles: a table of their numbers, and a picture of lengths, moment arms and curves.
+
+    `drakearm inspect arm14` shows the arm of the paper. A folder with a muscles.yaml of your own is checked first: an
+    error names the field that is wrong.
+    """
+    from drakearm.figures import muscle_table, write_arm_picture
+    from drakearm.model import load_arm
+    from drakearm.model.inspection import inspect_arm
+
+    loaded = load_arm(arm)
+    file = out or Path(f"{loaded.name}.png")
+    _check_picture_path(file, overwrite)
+    inspection = inspect_arm(loaded)
+    write_arm_picture(inspection, file)
+    console.print(muscle_table(inspection))
+    say(f"open {file} for lengths, moment arms and curves")
+
+
+def _check_picture_path(file: Path, overwrite: bool) -> None:
+    """Raises RunFolderError unless a picture may be written to `file`."""
+    if file.suffix != ".png":
+        raise RunFolderError(f"{file} is no name for a picture: expected one that ends in .png.")
+    if file.exists() and not overwrite:
+        raise RunFolderError(f"{file} exists already: choose another file with --out, or replace it with --overwrite.")

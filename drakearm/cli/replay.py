@@ -1,0 +1,22 @@
+"""`drakearm replay`."""
+
+from drakearm.cli.console import say
+from drakearm.cli.folders import planned_run_folder
+from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument
+from drakearm.cli.own_code import import_own_code
+
+
+def replay(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False, imports: Import = None) -> None:
+    """Show the movement in a browser, in slow motion.
+
+    Writes replay.html: one file that any browser opens, without a connection to the internet. It shows the recording
+    of `drakearm evaluate`, with the plan as a translucent arm.
+    """
+    import_own_code(imports)
+    from drakearm.experiments import replay_step
+    from drakearm.experiments.steps import REPLAYED
+
+    run = planned_run_folder(scenario, out)
+    run.existing("recording", f"evaluate {scenario}")
+    run.claim(REPLAYED, overwrite)
+    say(f"open {replay_step(run)} in a browser")

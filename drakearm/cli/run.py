@@ -1,0 +1,53 @@
+"""`drakearm run`."""
+
+from typing import Annotated
+
+import typer
+
+from drakearm.cli.console import say
+from drakearm.cli.evaluate import show_metrics
+from drakearm.cli.folders import run_folder
+from drakearm.cli.options import Batches, Env, Import, Out, Overwrite, ScenarioArgument, Seed
+from drakearm.cli.own_code import import_own_code
+from drakearm.cli.train import train_run
+from drakearm.experiments.choices import EnvKind, Preset
+
+
+def run(
+    scenario: ScenarioArgument,
+    seed: Seed = 0,
+    out: Out = None,
+    batches: Batches = None,
+    env: Env = EnvKind.compiled,
+    preset: Annotated[
+        Preset | None,
+        typer.Option(
+            help="`paper` learns as the paper does: 28 observations, from random weights. [default: the scenario's]",
+            show_default=False,
+        ),
+    ] = None,
+    overwrite: Overwrite = False,
+    imports: Import = None,
+) -> None:
+    """Plan, train, evaluate and replay a scenario, and print a table of the results.
+
+    If the run's folder already holds a plan of the same scenario, it is used, and only the other steps are done.
+    """
+    import_own_code(imports)
+    from drakearm.experiments import RunFolder, evaluate_step, plan_step, replay_step
+    from drakearm.experiments.steps import EVALUATED, REPLAYED, TRAINED
+
+    folder = run_folder(scenario, out)
+    if not overwrite and folder.holds_plan_of(scenario, preset):
+        folder.claim((*TRAINED, *EVALUATED, *REPLAYED), overwrite)
+        say(f"continuing with the plan in {folder.folder}")
+    else:
+        folder.claim(tuple(RunFolder.FILES), overwrite)
+        report = plan_step(folder, scenario, preset=preset)
+        say(f"planned with {report.plan.solver} in {report.plan.seconds:.2f} s: {report.plan.status}")
+        say(report.feasibility.verdict)
+    train_run(folder, seed, batches, env)
+    metrics = evaluate_step(folder)
+    replay = replay_step(folder)
+    show_metrics(folder, metrics)
+    say(f"open {replay} in a browser")

@@ -1,0 +1,76 @@
+"""`drakearm train`."""
+
+from typing import TYPE_CHECKING
+
+import typer
+
+from drakearm.cli.console import say
+from drakearm.cli.folders import planned_run_folder
+from drakearm.cli.interrupt import delayed_interrupt
+from drakearm.cli.options import Batches, Env, Import, Out, Overwrite, ScenarioArgument, Seed
+from drakearm.cli.own_code import import_own_code
+from drakearm.cli.progress import show_progress
+from drakearm.experiments.choices import EnvKind
+
+if TYPE_CHECKING:
+    from drakearm.experiments import RunFolder
+    from drakearm.learning import BatchReport
+
+LINE_BATCHES = 10  # where there is no terminal, a line is printed each time that this many batches are done
+
+
+def train(
+    scenario: ScenarioArgument,
+    seed: Seed = 0,
+    out: Out = None,
+    batches: Batches = None,
+    env: Env = EnvKind.compiled,
+    overwrite: Overwrite = False,
+    imports: Import = None,
+) -> None:
+    """Learn muscle excitations that follow the plan.
+
+    Needs the plan in the run's folder: `drakearm plan SCENARIO` comes first. Writes policy.safetensors (what was
+    learned), training.csv (one row per batch) and training.json (seed, settings, how far it came).
+
+    Press Ctrl-C to stop after the current batch: the policy so far is kept, and `drakearm evaluate` measures it.
+    """
+    import_own_code(imports)
+    from drakearm.experiments.steps import TRAINED
+
+    run = planned_run_folder(scenario, out)
+    run.claim(TRAINED, overwrite)
+    train_run(run, seed, batches, env)
+
+
+def train_run(run: "RunFolder", seed: int, batches: int | None, env: EnvKind) -> None:
+    """Trains in a run's folder and shows the progress. Exits with code 130 if Ctrl-C is pressed."""
+    from drakearm.experiments import train_step
+
+    last: BatchReport | None = None
+    try:
+        with delayed_interrupt("after this batch") as interrupt_now, show_progress("training") as show:
+
+            def show_round(number: int, rounds: int) -> None:
+                show(f"imitated static optimization, round {number} of {rounds}")
+                interrupt_now()
+
+            def show_batch(report: "BatchReport") -> None:
+                nonlocal last
+                last = report
+                show(
+                    f"error {report.tracking_error:.3f} rad, {report.steps_per_second:.0f} steps/s, "
+                    f"{report.seconds_left:.0f} s left",
+                    done=report.batch,
+                    total=report.batches,
+                    line=report.batch % LINE_BATCHES == 0 or report.batch == report.batches,
+                )
+                interrupt_now()
+
+            train_step(run, seed=seed, batches=batches, env=env, on_round=show_round, on_batch=show_batch)
+    except KeyboardInterrupt:
+        if last is None:
+            say("interrupted before the first batch was done: no policy was written")
+        else:
+            say(f"interrupted at {last.batch} of {last.batches} batches, policy kept in {run.path('policy')}")
+        raise typer.Exit(130) from None

@@ -1,0 +1,40 @@
+"""The shipped scenarios by name. Listing them reads only what the list shows, so that it is quick."""
+
+import re
+from pathlib import Path
+
+import yaml
+
+from drakearm.errors import ScenarioError, did_you_mean
+
+_SHIPPED = Path(__file__).parent / "scenarios"
+_FastLoader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without its C part
+
+
+def scenario_files() -> dict[str, Path]:
+    """The shipped scenarios: name and file. Numbers in names are in numerical order: 2 kg before 10 kg."""
+
+    def numbers(file: Path) -> list[str | int]:
+        return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.stem)]
+
+    return {file.stem: file for file in sorted(_SHIPPED.glob("*.yaml"), key=numbers)}
+
+
+def scenario_descriptions() -> dict[str, str]:
+    """The shipped scenarios: name and description."""
+    return {
+        name: yaml.load(file.read_text(encoding="utf-8"), _FastLoader)["description"]
+        for name, file in scenario_files().items()
+    }
+
+
+def find_scenario(scenario: str | Path) -> Path:
+    """The file of a shipped scenario, or the given path. Raises ScenarioError, listing the names, if there is none."""
+    shipped = scenario_files()
+    file = shipped.get(str(scenario), Path(scenario))
+    if not file.is_file():
+        raise ScenarioError(
+            f"There is no scenario {str(scenario)!r}{did_you_mean(str(scenario), shipped)}: "
+            f"expected the path of a file or one of {', '.join(shipped)}."
+        )
+    return file

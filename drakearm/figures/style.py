@@ -1,0 +1,22 @@
+"""The colors and axes that all pictures share."""
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+
+# Okabe and Ito's colors, which color-blind readers can tell apart
+_JOINT_COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")
+NOTE_COLOR = "#555555"  # of text that explains
+
+literal_text = rc_context({"text.parse_math": False})  # decorates what draws a user's names: a $ in them is no formula
+
+
+def joint_color(joint: int) -> str:
+    """The color of a joint, by its place in the arm's coordinates."""
+    return _JOINT_COLORS[joint % len(_JOINT_COLORS)]
+
+
+def finish_panel(panel: Axes) -> None:
+    """A pale grid behind the lines, and axes only at the left and the bottom."""
+    panel.grid(color="#DDDDDD", linewidth=0.6)
+    panel.set_axisbelow(True)
+    panel.spines[["top", "right"]].set_visible(False)

@@ -1,0 +1,17 @@
+"""A scenario that is quick to plan and to train."""
+
+import pytest
+import yaml
+
+from drakearm.experiments import scenario_files
+
+
+@pytest.fixture(scope="session")
+def tiny(tmp_path_factory):
+    """A scenario like timing-0.7s that plans with few knots and trains on few arms."""
+    fields = yaml.safe_load(scenario_files()["timing-0.7s"].read_text())
+    fields["movement"]["knots"] = 15
+    fields["training"] = {"batches": 2, "environments": 4, "minibatches": 2, "epochs": 2}
+    file = tmp_path_factory.mktemp("scenario") / "tiny.yaml"
+    file.write_text(yaml.safe_dump({**fields, "name": "tiny"}))
+    return str(file)
