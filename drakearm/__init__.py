@@ -28,10 +28,16 @@ __all__ = [
     "PpoSettings",
     "Recording",
     "Reference",
+    "Reward",
     "RunFolder",
     "Scenario",
+    "Sense",
+    "Start",
+    "StartState",
+    "TrackingTask",
     "__version__",
     "evaluate_step",
+    "find_equilibrium",
     "load_arm",
     "load_scenario",
     "make_env",
@@ -59,14 +65,11 @@ if TYPE_CHECKING:
         train_step,
     )
     from drakearm.learning import ArmVectorEnv, DiagramEnv, Policy, PpoSettings, train
-    from drakearm.model import Arm, Muscle, load_arm
-    from drakearm.model.obstacle import Obstacle
-    from drakearm.model.recording import Recording
-    from drakearm.model.reference import Reference
-    from drakearm.planning import Movement, Plan, plan
-    from drakearm.planning.feasibility import muscle_feasibility
+    from drakearm.model import Arm, Muscle, Obstacle, Recording, Reference, find_equilibrium, load_arm
+    from drakearm.planning import Movement, Plan, muscle_feasibility, plan
     from drakearm.replay import write_replay
-    from drakearm.systems.muscle_visualizer import upright
+    from drakearm.systems import upright
+    from drakearm.task import Reward, Sense, Start, StartState, TrackingTask
     from drakearm.version import __version__
 else:
     __getattr__, __dir__ = lazy_attributes(
@@ -84,14 +87,11 @@ else:
                 "train_step",
             ),
             "drakearm.learning": ("ArmVectorEnv", "DiagramEnv", "Policy", "PpoSettings", "train"),
-            "drakearm.model": ("Arm", "Muscle", "load_arm"),
-            "drakearm.model.obstacle": ("Obstacle",),
-            "drakearm.model.recording": ("Recording",),
-            "drakearm.model.reference": ("Reference",),
-            "drakearm.planning": ("Movement", "Plan", "plan"),
-            "drakearm.planning.feasibility": ("muscle_feasibility",),
+            "drakearm.model": ("Arm", "Muscle", "Obstacle", "Recording", "Reference", "find_equilibrium", "load_arm"),
+            "drakearm.planning": ("Movement", "Plan", "muscle_feasibility", "plan"),
             "drakearm.replay": ("write_replay",),
-            "drakearm.systems.muscle_visualizer": ("upright",),
+            "drakearm.systems": ("upright",),
+            "drakearm.task": ("Reward", "Sense", "Start", "StartState", "TrackingTask"),
             "drakearm.version": ("__version__",),
         },
     )

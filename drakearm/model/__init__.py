@@ -1,7 +1,34 @@
-"""What an arm is: its dataclasses, the loader, path functions and the skeleton."""
+"""What a limb is: its dataclasses, the loader, path functions and the skeleton; references and recordings of it."""
 
-from drakearm.model.arm import Arm, Muscle, PathTerm
+from drakearm.model.arm import Arm, Capsule, Muscle, PathTerm
+from drakearm.model.equilibrium import Equilibrium, find_equilibrium
+from drakearm.model.feedback import Feedback
+from drakearm.model.inspection import inspect_arm
+from drakearm.model.kinds import Kind
 from drakearm.model.loader import load_arm
+from drakearm.model.motion import Motion
+from drakearm.model.musculature import RESTING_ACTIVATION
+from drakearm.model.obstacle import Obstacle
+from drakearm.model.recording import Recording
+from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.model.torque_arm import MakeTorqueArm
 
-__all__ = ["Arm", "MakeTorqueArm", "Muscle", "PathTerm", "load_arm"]
+__all__ = [
+    "CONTROL_STEP",
+    "RESTING_ACTIVATION",
+    "Arm",
+    "Capsule",
+    "Equilibrium",
+    "Feedback",
+    "Kind",
+    "MakeTorqueArm",
+    "Motion",
+    "Muscle",
+    "Obstacle",
+    "PathTerm",
+    "Recording",
+    "Reference",
+    "find_equilibrium",
+    "inspect_arm",
+    "load_arm",
+]

@@ -10,6 +10,7 @@ from drakearm.model.musculature import muscle_geometry, require_state, resting_s
 from drakearm.model.skeleton import inverse_dynamics
 from drakearm.model.static_optimization import static_activations, steady_force
 from drakearm.model.torque_arm import MakeTorqueArm
+from drakearm.muscle.compiled import compiled
 
 _ITERATIONS = 20  # of Newton's method, which usually needs three
 _EXACT = 1e-10  # Nm
@@ -24,6 +25,16 @@ class Equilibrium(NamedTuple):
     activation: np.ndarray  # (n,), equal to the excitation
     fiber_length: np.ndarray  # (n,) m
     torque: np.ndarray  # (n_q,) Nm, what the muscles exert against gravity
+
+
+@compiled
+def _forces_at_rest(activation, length, muscles):
+    """Tendon forces (n,), N, of resting muscles with path lengths (n,), m, and their slopes by activation."""
+    force, slope = np.empty(len(muscles)), np.empty(len(muscles))
+    for i in range(len(muscles)):
+        m = muscles[i]
+        force[i], slope[i], _ = steady_force(activation[i], length[i], 0.0, m.optimal_fiber_length, m)
+    return force, slope
 
 
 def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilibrium:
@@ -50,9 +61,7 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
     lowest = muscles["minimum_activation"]
     length, moment_arm = muscle_geometry(q, muscles, paths)
     for _ in range(_ITERATIONS):
-        force, slope, fiber_length = np.array(
-            [steady_force(activation[i], length[i], 0.0, muscles[i].optimal_fiber_length, muscles[i]) for i in range(n)]
-        ).T
+        force, slope = _forces_at_rest(activation, length, muscles)
         missing = torque - force @ moment_arm
         if np.abs(missing).max() < _EXACT:
             break

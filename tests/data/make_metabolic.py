@@ -1,7 +1,8 @@
 """Makes metabolic.npz: the metabolic power of the muscles of 14muscles.osim, as OpenSim's probe computes it.
 
-Run it with `python make_metabolic.py 14muscles.osim`, with opensim 4.6 installed. The file is in the authors' repository,
-BlueBrain/learning_musculoskeletal_arm_control. `tests/muscle/test_energy.py` compares drakearm with what is stored.
+Run it with `python make_metabolic.py 14muscles.osim`, with opensim 4.6 installed. The file is in the repository of the
+paper's authors, BlueBrain/learning_musculoskeletal_arm_control. `tests/muscle/test_energy.py` compares drakearm with
+what is stored.
 
 Every muscle of the file pulls alone on a slider here, so that every fiber length and tendon strain can be reached.
 Arrays in metabolic.npz: `muscles` (14,), names; all others (samples, 14), in SI units:

@@ -1,0 +1,57 @@
+"""Equilibria: nothing moves with their excitations, weak muscles are named, and Drake can linearize there."""
+
+import numpy as np
+import pytest
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import Linearize
+
+from drakearm.diagrams import AddMuscleArm, MakeSimulator
+from drakearm.errors import EquilibriumError, StateError
+from drakearm.model import find_equilibrium
+
+POSTURES = np.deg2rad([[-20.0, 80.0], [0.0, 30.0], [-40.0, 5.0]])
+
+
+def make_arm(arm, time_step, load_mass=0.0):
+    builder = DiagramBuilder()
+    muscle_arm = AddMuscleArm(builder, arm, load_mass=load_mass, time_step=time_step, stops=time_step > 0.0)
+    builder.ExportInput(muscle_arm.muscles.GetInputPort("excitation"), "excitation")
+    return builder.Build(), muscle_arm
+
+
+@pytest.mark.parametrize("q", POSTURES)
+@pytest.mark.parametrize("load_mass", [0.0, 1.0])
+def test_muscles_exert_the_torque_of_gravity_and_the_arm_rests(arm, q, load_mass):
+    equilibrium = find_equilibrium(arm, q, load_mass)
+    assert np.all((equilibrium.excitation >= arm.muscle_table["minimum_activation"]) & (equilibrium.excitation <= 1.0))
+    diagram, muscle_arm = make_arm(arm, 1e-3, load_mass)
+    simulator = MakeSimulator(diagram)
+    context = simulator.get_mutable_context()
+    held = muscle_arm.SetEquilibrium(context, q)
+    np.testing.assert_array_equal(held.excitation, equilibrium.excitation)
+    diagram.GetInputPort("excitation").FixValue(context, held.excitation)
+    simulator.AdvanceTo(0.3)
+    state = muscle_arm.plant.GetPositionsAndVelocities(muscle_arm.plant.GetMyContextFromRoot(context))
+    np.testing.assert_allclose(state, [*q, 0.0, 0.0], atol=1e-7)
+
+
+def test_drake_linearizes_at_an_equilibrium(arm):
+    """The linear system has the Diagram's derivatives for a small change of the state."""
+    diagram, muscle_arm = make_arm(arm, 0.0)
+    context = diagram.CreateDefaultContext()
+    held = muscle_arm.SetEquilibrium(context, POSTURES[0])
+    diagram.GetInputPort("excitation").FixValue(context, held.excitation)
+    x = context.get_continuous_state_vector().CopyToVector()
+    linear = Linearize(diagram, context)
+    assert linear.A().shape == (len(x), len(x)) and np.isfinite(linear.A()).all()
+    change = 1e-6 * np.random.default_rng(0).standard_normal(len(x))
+    context.SetContinuousState(x + change)
+    moved = diagram.EvalTimeDerivatives(context).CopyToVector()
+    np.testing.assert_allclose(moved, linear.A() @ change, rtol=2e-2, atol=1e-5)
+
+
+def test_a_posture_that_muscles_cannot_hold_is_refused(arm):
+    with pytest.raises(EquilibriumError, match="cannot hold the joint angles .* the shoulder lacks .* Nm"):
+        find_equilibrium(arm, np.deg2rad([80.0, 90.0]), load_mass=5.0)
+    with pytest.raises(StateError, match="joint angles .* expected 2 finite numbers"):
+        find_equilibrium(arm, np.zeros(3))
