@@ -4,7 +4,6 @@ from rich.table import Table
 from rich.text import Text
 
 from drakearm.cli.console import console
-from drakearm.experiments.catalog import scenario_descriptions
 
 
 def list_scenarios() -> None:
@@ -12,6 +11,8 @@ def list_scenarios() -> None:
 
     `drakearm plan NAME` plans one of them, `drakearm run NAME` learns it too.
     """
+    from drakearm.experiments.catalog import scenario_descriptions
+
     table = Table("scenario", "what moves")
     for name, description in scenario_descriptions().items():
         table.add_row(name, Text(description))

@@ -5,12 +5,13 @@ from typing import Annotated
 
 import typer
 
-from drakearm.experiments.catalog import scenario_descriptions
 from drakearm.experiments.choices import EnvKind
 
 
 def complete_scenario(incomplete: str) -> list[tuple[str, str]]:
     """The names and descriptions of the shipped scenarios that begin like this, for the shell."""
+    from drakearm.experiments.catalog import scenario_descriptions
+
     return [item for item in scenario_descriptions().items() if item[0].startswith(incomplete)]
 
 

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Protocol
-
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from typing import TYPE_CHECKING, Protocol
 
 from drakearm.cli.console import console, say
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 
 class Show(Protocol):
@@ -19,6 +20,8 @@ class Show(Protocol):
 def show_progress(title: str, *, transient: bool = False) -> Iterator[Show]:
     """A function that shows the progress of what the title names. transient: the bar disappears at the end."""
     if console.is_terminal:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
         columns = (
             TextColumn(title),
             BarColumn(),
@@ -31,7 +34,7 @@ def show_progress(title: str, *, transient: bool = False) -> Iterator[Show]:
         yield _printed_lines(title)
 
 
-def _moved_bar(progress: Progress) -> Show:
+def _moved_bar(progress: "Progress") -> Show:
     bar = progress.add_task("", total=None, text="")
 
     def show(text: str, *, done: int = 0, total: int | None = None, line: bool = True) -> None:
