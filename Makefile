@@ -1,8 +1,23 @@
 # `make demo` and `make test` set up everything by themselves; they need git, make and Python >= 3.11 with venv.
+# `make test PYTHON=python3.12` sets up .venv with that Python, if there is no .venv yet.
 
-PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PYTHON ?= $(firstword $(wildcard $(BIN)/python) python3)
+
+version_of = $(shell $(1) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+VERSION := $(call version_of,$(PYTHON))
+
+# A .venv of another Python is not used by accident.
+VENV_VERSION := $(if $(wildcard $(BIN)/python),$(call version_of,$(BIN)/python),$(VERSION))
+ifneq ($(MAKECMDGOALS),clean)
+ifneq ($(VERSION),$(VENV_VERSION))
+$(error $(VENV) has Python $(VENV_VERSION) and $(PYTHON) is Python $(VERSION): run `make clean` first, or make without PYTHON=)
+endif
+endif
+
+# Python 3.11 gets the versions of packages that CI uses, any newer Python the newest versions that were tried.
+CONSTRAINTS := constraints/python$(if $(filter 3.11,$(VERSION)),3.11,3.12).txt
 
 SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '*.yaml' -o -name '*.urdf'))
 
@@ -28,14 +43,16 @@ lint: $(LINKED) ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-clean: ## removes everything that make made, but not runs/
+clean: ## removes everything that make created, except runs/
 	rm -rf $(VENV) build *.egg-info
 
-$(VENV)/installed: constraints.txt pyproject.toml
-	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "drakearm needs Python 3.11 or newer"'
+$(BIN)/pip:
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("drakearm needs Python 3.11 or newer")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --constraint constraints.txt setuptools
-	$(BIN)/pip install --quiet --constraint constraints.txt --no-build-isolation \
+
+$(VENV)/installed: $(CONSTRAINTS) pyproject.toml | $(BIN)/pip
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) setuptools
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) --no-build-isolation \
 		--config-settings editable_mode=strict --editable .[test]
 	rm -f $(VENV)/linked-*
 	touch $@
