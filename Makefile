@@ -24,13 +24,19 @@ SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test test-cpus lint bench clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
 
 test: $(LINKED) ## all tests, in parallel
 	$(BIN)/pytest -n 2
+
+test-cpus: $(LINKED) ## the quick tests as on other processors: PyTorch without vectors, then Numba with AVX2 at most
+	ATEN_CPU_CAPABILITY=default $(BIN)/pytest -n 2 -m 'not slow'
+ifeq ($(shell uname -m),x86_64)
+	NUMBA_CPU_NAME=haswell NUMBA_CPU_FEATURES=+avx2,+fma $(BIN)/pytest -n 2 -m 'not slow'
+endif
 
 bench: $(LINKED) ## how fast and how accurate, next to other packages where they are installed
 	$(BIN)/python tests/benchmarks/speed.py
