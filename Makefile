@@ -1,21 +1,42 @@
 # `make demo` and `make test` set up everything by themselves; they need git, make and Python >= 3.11 with venv.
+# `make test PYTHON=python3.12` sets up .venv with that Python, if there is no .venv yet.
 
-PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PYTHON ?= $(firstword $(wildcard $(BIN)/python) python3)
+
+version_of = $(shell $(1) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+VERSION := $(call version_of,$(PYTHON))
+
+# A .venv of another Python is not used by accident.
+VENV_VERSION := $(if $(wildcard $(BIN)/python),$(call version_of,$(BIN)/python),$(VERSION))
+ifneq ($(MAKECMDGOALS),clean)
+ifneq ($(VERSION),$(VENV_VERSION))
+$(error $(VENV) has Python $(VENV_VERSION) and $(PYTHON) is Python $(VERSION): run `make clean` first, or make without PYTHON=)
+endif
+endif
+
+# Python 3.11 gets the versions of packages that CI uses, any newer Python the newest versions that were tried.
+CONSTRAINTS := constraints/python$(if $(filter 3.11,$(VERSION)),3.11,3.12).txt
 
 SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '*.yaml' -o -name '*.urdf'))
 
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test test-cpus lint bench clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
 
 test: $(LINKED) ## all tests, in parallel
 	$(BIN)/pytest -n 2
+
+test-cpus: $(LINKED) ## the quick tests as on other processors: PyTorch without vectors, then Numba with AVX2 at most
+	ATEN_CPU_CAPABILITY=default $(BIN)/pytest -n 2 -m 'not slow'
+ifeq ($(shell uname -m),x86_64)
+	NUMBA_CPU_NAME=haswell NUMBA_CPU_FEATURES=+avx2,+fma $(BIN)/pytest -n 2 -m 'not slow'
+endif
 
 bench: $(LINKED) ## how fast and how accurate, next to other packages where they are installed
 	$(BIN)/python tests/benchmarks/speed.py
@@ -28,14 +49,16 @@ lint: $(LINKED) ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-clean: ## removes everything that make made, but not runs/
+clean: ## removes everything that make created, except runs/
 	rm -rf $(VENV) build *.egg-info
 
-$(VENV)/installed: constraints.txt pyproject.toml
-	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "drakearm needs Python 3.11 or newer"'
+$(BIN)/pip:
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("drakearm needs Python 3.11 or newer")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --constraint constraints.txt setuptools
-	$(BIN)/pip install --quiet --constraint constraints.txt --no-build-isolation \
+
+$(VENV)/installed: $(CONSTRAINTS) pyproject.toml | $(BIN)/pip
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) setuptools
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) --no-build-isolation \
 		--config-settings editable_mode=strict --editable .[test]
 	rm -f $(VENV)/linked-*
 	touch $@

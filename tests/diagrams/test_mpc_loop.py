@@ -1,4 +1,4 @@
-"""Model predictive control: it follows the plan, brings a pushed arm back, and is a System like any other."""
+"""Model predictive control follows the plan, brings a pushed arm back, and shows its prediction at a port."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ HORIZON = 1.6  # s
 
 
 def push(at: float, torque: list[float]) -> PiecewisePolynomial:
-    """Torques (n_q,), Nm, on the joints for 50 ms."""
+    """A torque (n_q,), Nm, on the joints, applied for 50 ms from a time on (s)."""
     breaks = [0.0, at, at + 0.05, 10.0]
     return PiecewisePolynomial.ZeroOrderHold(breaks, np.array([[0, 0], torque, [0, 0], [0, 0]], dtype=float).T)
 
@@ -50,8 +50,8 @@ def test_a_pushed_arm_comes_back(arm, model, at, torque):
     pushed = MakeMpcLoop(arm, planner, disturbance=push(at, torque)).Run(MOVEMENT.start, 1.6)
     during = round(at / 0.01) + 6
     undisturbed = plan(arm, MOVEMENT).reference.q
-    wanted = undisturbed[min(during, len(undisturbed) - 1)]
-    assert np.abs(pushed.q[during] - wanted).max() > 0.02  # the push was felt
+    planned = undisturbed[min(during, len(undisturbed) - 1)]
+    assert np.abs(pushed.q[during] - planned).max() > 0.02  # the push was felt
     np.testing.assert_allclose(pushed.q[-1], MOVEMENT.target, atol=0.005)
     np.testing.assert_allclose(pushed.v[-1], 0.0, atol=0.01)
 
@@ -72,9 +72,19 @@ def test_the_prediction_can_be_read_from_its_port(arm, model):
     simulator.AdvanceTo(0.06)
     context = loop.controller.GetMyContextFromRoot(simulator.get_context())
     predicted = loop.controller.GetOutputPort("predicted_state").Eval(context)
+    assert isinstance(predicted, PiecewisePolynomial)
     assert (predicted.start_time(), predicted.end_time()) == (pytest.approx(0.04), pytest.approx(0.7))
     now = loop.plant.get_state_output_port().Eval(loop.plant.GetMyContextFromRoot(simulator.get_context()))
     np.testing.assert_allclose(predicted.value(0.06).ravel(), now, atol=2e-3)
+
+
+def test_before_the_first_plan_there_is_no_torque_and_no_prediction(arm, skeleton):
+    controller = MakeMpcLoop(arm, RecedingHorizon(skeleton, MOVEMENT, HORIZON)).controller
+    context = controller.CreateDefaultContext()
+    np.testing.assert_array_equal(controller.GetOutputPort("torque").Eval(context), 0.0)
+    predicted = controller.GetOutputPort("predicted_state").Eval(context)
+    assert isinstance(predicted, PiecewisePolynomial)
+    assert predicted.get_number_of_segments() == 0
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Compiled functions: cached where there is a place for it, and working where there is none."""
+"""Compiled functions: cached for each processor where there is a place for it, and working where there is none."""
 
 import os
 import subprocess
@@ -29,3 +29,14 @@ def test_it_runs_with_and_without_a_place_to_cache(tmp_path, writable):
     if writable:
         (state,) = folder.iterdir()  # one folder for the present state of the sources
         assert list(state.rglob("*velocity_scale*.nbc"))
+
+
+def test_code_for_another_processor_is_not_taken_from_the_cache(tmp_path):
+    for limits in ({}, {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}):
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT],
+            cwd=tmp_path,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), **limits},
+            check=True,
+        )
+    assert len(list(tmp_path.rglob("*velocity_scale*.nbc"))) == 2
