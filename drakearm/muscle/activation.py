@@ -5,11 +5,11 @@ from drakearm.muscle.compiled import inlined
 
 @inlined
 def activation_rate(activation, excitation, m):
-    """Time derivative of the activation (1/s) and its derivatives by activation and excitation.
+    """Time derivative of the activation (1/s), and the derivatives of this rate by activation and by excitation.
 
-    First order, faster rising than falling (Thelen 2003, eqs. 1-2, as in OpenSim's Thelen2003Muscle). The excitation is
-    clamped to [minimum_activation, 1], so that the activation never leaves that interval; OpenSim does not clamp, and
-    its activation drifts below the minimum at excitation 0.
+    First order, and faster when the activation rises than when it falls (Thelen 2003, eqs. 1-2, as in OpenSim's
+    Thelen2003Muscle). The excitation is clamped to [minimum_activation, 1], so that the activation never leaves that
+    interval. OpenSim does not clamp it: at excitation 0 the activation falls below the minimum there.
     """
     u = min(max(excitation, m.minimum_activation), 1.0)
     free = 1.0 if u == excitation else 0.0
@@ -22,7 +22,7 @@ def activation_rate(activation, excitation, m):
 
 @inlined
 def activation_step(activation, excitation, time_step, m):
-    """Activation after a time step with the excitation held: explicit midpoint rule, second order."""
+    """Activation one time step later, with a constant excitation: explicit midpoint rule, of second order."""
     rate, _, _ = activation_rate(activation, excitation, m)
     middle = activation + 0.5 * time_step * rate
     rate, _, _ = activation_rate(middle, excitation, m)

@@ -1,4 +1,7 @@
-"""Power of a muscle: what fiber and tendon deliver, and what the muscle burns."""
+"""Forces along the fiber, mechanical power of fiber and tendon, and the metabolic power of a muscle.
+
+`m` is a record of `MUSCLE_DTYPE`. Fibers below their minimum length count as that long, as in OpenSim.
+"""
 
 import math
 
@@ -9,57 +12,77 @@ from drakearm.muscle.curves import active_force_length, passive_force_length
 # contraction", Journal of Biomechanics 37:81-88, 2004.
 _ACTIVATION_SLOW, _ACTIVATION_FAST = 40.0, 133.0
 _MAINTENANCE_SLOW, _MAINTENANCE_FAST = 74.0, 111.0
-_LEAST_HEAT = 1.0
+_MINIMUM_HEAT = 1.0
 
 
 @inner
 def fiber_forces(fiber_length, tendon_force, m):
-    """Active and passive force (N) along the fiber that together carry a tendon force."""
-    cosine = math.sqrt(1.0 - (m.fiber_width / fiber_length) ** 2)
-    passive, _ = passive_force_length(fiber_length / m.optimal_fiber_length, m)
+    """Active and passive force (N) along the fiber that together balance a tendon force (N)."""
+    passive, _ = passive_force_length(max(fiber_length, m.minimum_fiber_length) / m.optimal_fiber_length, m)
     passive *= m.max_isometric_force
-    return tendon_force / cosine - passive, passive
+    return tendon_force / _pennation_cosine(fiber_length, m) - passive, passive
 
 
 @inner
 def fiber_and_tendon_power(fiber_length, fiber_velocity, mtu_velocity, tendon_force, m):
-    """Power (W) that the fiber and that the tendon deliver; their sum is -tendon_force * mtu_velocity."""
-    cosine = math.sqrt(1.0 - (m.fiber_width / fiber_length) ** 2)
-    along = fiber_velocity / cosine  # velocity of the fiber's end along the tendon, whose width does not change
+    """Mechanical power (W) that the fiber and the tendon deliver. Their sum is -tendon_force * mtu_velocity."""
+    along = fiber_velocity / _pennation_cosine(fiber_length, m)  # m/s along the tendon; the fiber's width is fixed
     return -tendon_force * along, -tendon_force * (mtu_velocity - along)
 
 
 @inner
 def metabolic_power(activation, excitation, fiber_length, fiber_velocity, active, passive, m):
-    """Metabolic power (W) of a muscle: heat of activation, maintenance and shortening, and work (Bhargava et al. 2004).
+    """Metabolic power (W) of a muscle: heat plus mechanical work, without the basal power of the body.
 
-    active, passive: forces along the fiber (N). As in OpenSim's probe, activation heat does not decay, lengthening does
-    no work, and the heat does not fall below 1 W/kg. Basal power is left to the user.
+    active, passive: forces along the fiber (N); fiber_velocity (m/s) is positive when the fiber lengthens. The power is
+    that of OpenSim's Bhargava2004MuscleMetabolicsProbe with use_force_dependent_shortening_prop_constant = true, as in
+    the paper of Bhargava et al. (2004), and include_negative_mechanical_work = false. Its two limits apply: the total
+    power is never negative, and the heat is at least 1 W per kg of muscle. The probe does not limit the excitation.
+    Here an excitation outside [0, 1] counts as 0 or 1.
     """
+    activating, maintaining, shortening, work = metabolic_rates(
+        activation, excitation, fiber_length, fiber_velocity, active, passive, m
+    )
+    heat = activating + maintaining + shortening
+    return max(heat, -work, _MINIMUM_HEAT * m.mass) + work
+
+
+@inner
+def metabolic_rates(activation, excitation, fiber_length, fiber_velocity, active, passive, m):
+    """The four parts (W) of the metabolic power, before its limits, for the same arguments.
+
+    They are the heat of activation (without the decay in time of Bhargava et al. 2004, as in OpenSim), of maintenance
+    and of shortening, and the mechanical work. The heat of shortening is negative for a lengthening fiber, which does
+    no work.
+    """
+    length = max(fiber_length, m.minimum_fiber_length) / m.optimal_fiber_length
     u = min(max(excitation, 0.0), 1.0)
-    slow, fast = m.slow_twitch_fraction, 1.0 - m.slow_twitch_fraction
-    by_u_slow, by_u_fast = math.sin(0.5 * math.pi * u), 1.0 - math.cos(0.5 * math.pi * u)
-    by_a_slow, by_a_fast = math.sin(0.5 * math.pi * activation), 1.0 - math.cos(0.5 * math.pi * activation)
-    heat = m.mass * (_ACTIVATION_SLOW * slow * by_u_slow + _ACTIVATION_FAST * fast * by_u_fast)
-    maintenance = _MAINTENANCE_SLOW * slow * by_a_slow + _MAINTENANCE_FAST * fast * by_a_fast
-    length = fiber_length / m.optimal_fiber_length
-    heat += m.mass * _maintenance_by_length(length) * maintenance
-    work = 0.0
-    if fiber_velocity <= 0.0:
-        shape, _ = active_force_length(length, m)
-        isometric = activation * shape * m.max_isometric_force
-        heat -= (0.16 * isometric + 0.18 * (active + passive)) * fiber_velocity
-        work = -active * fiber_velocity
-    else:
-        heat -= 0.157 * (active + passive) * fiber_velocity
-    return max(heat, _LEAST_HEAT * m.mass) + work
+    slow = m.slow_twitch_fraction * math.sin(0.5 * math.pi * u)
+    fast = (1.0 - m.slow_twitch_fraction) * (1.0 - math.cos(0.5 * math.pi * u))
+    activating = m.mass * (_ACTIVATION_SLOW * slow + _ACTIVATION_FAST * fast)
+    maintaining = m.mass * _maintenance_by_length(length) * (_MAINTENANCE_SLOW * slow + _MAINTENANCE_FAST * fast)
+    if fiber_velocity > 0.0:
+        return activating, maintaining, -0.157 * (active + passive) * fiber_velocity, 0.0
+    a = min(max(activation, m.minimum_activation), 1.0)
+    shape, _ = active_force_length(length, m)
+    isometric = a * shape * m.max_isometric_force
+    shortening = -(0.16 * isometric + 0.18 * (active + passive)) * fiber_velocity
+    return activating, maintaining, shortening, -active * fiber_velocity
 
 
 @inner
 def _maintenance_by_length(length):
-    """How maintenance heat depends on the normalized fiber length: 0.5 to 0.5, 1 at 1, 0 from 1.5."""
+    """Factor of the maintenance heat at a normalized fiber length: linear between 0.5 at 0.5, 1 at 1 and 0 at 1.5.
+
+    It is constant outside [0.5, 1.5], as in OpenSim.
+    """
     if length <= 0.5:
         return 0.5
     if length <= 1.0:
         return length
     return max(3.0 - 2.0 * length, 0.0)
+
+
+@inner
+def _pennation_cosine(fiber_length, m):
+    return math.sqrt(1.0 - (m.fiber_width / max(fiber_length, m.minimum_fiber_length)) ** 2)
