@@ -26,9 +26,7 @@ def fiber_forces(fiber_length, tendon_force, m):
 @inner
 def fiber_and_tendon_power(fiber_length, fiber_velocity, mtu_velocity, tendon_force, m):
     """Mechanical power (W) that the fiber and the tendon deliver. Their sum is -tendon_force * mtu_velocity."""
-    along = fiber_velocity / _pennation_cosine(
-        fiber_length, m
-    )  # m/s, of the fiber along the tendon; its width is fixed
+    along = fiber_velocity / _pennation_cosine(fiber_length, m)  # m/s along the tendon; the fiber's width is fixed
     return -tendon_force * along, -tendon_force * (mtu_velocity - along)
 
 
@@ -39,8 +37,8 @@ def metabolic_power(activation, excitation, fiber_length, fiber_velocity, active
     active, passive: forces along the fiber (N); fiber_velocity (m/s) is positive when the fiber lengthens. The power is
     that of OpenSim's Bhargava2004MuscleMetabolicsProbe with use_force_dependent_shortening_prop_constant = true, as in
     the paper of Bhargava et al. (2004), and include_negative_mechanical_work = false. Its two limits apply: the total
-    power is never negative, and the heat is at least 1 W per kg of muscle. The probe does not limit the excitation;
-    here an excitation outside [0, 1] counts as 0 or 1.
+    power is never negative, and the heat is at least 1 W per kg of muscle. The probe does not limit the excitation.
+    Here an excitation outside [0, 1] counts as 0 or 1.
     """
     activating, maintaining, shortening, work = metabolic_rates(
         activation, excitation, fiber_length, fiber_velocity, active, passive, m
