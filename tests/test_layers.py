@@ -17,7 +17,7 @@ LAYERS = [  # lowest first
     {"experiments"},
     {"cli"},
 ]
-LEVEL = {room: level for level, layer in enumerate(LAYERS) for room in layer}
+LEVEL = {room: level for level, layer in enumerate(LAYERS) for room in sorted(layer)}
 FREE = {"errors", "lazy", "version", "gymnasium_registration"}  # below all layers
 FOLDERS = [ROOT / room if room in ("systems", "diagrams") else ROOT / "drakearm" / room for room in LEVEL]
 FILES = [file for folder in FOLDERS for file in sorted(folder.rglob("*.py"))]
