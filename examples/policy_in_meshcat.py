@@ -15,8 +15,7 @@ from drakearm.diagrams import AddTrackingTask, MakeSimulator
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import Policy
 from drakearm.model.reference import CONTROL_STEP, Reference
-from drakearm.systems import MuscleVisualizer, PolicyController
-from drakearm.systems.muscle_visualizer import upright
+from drakearm.systems import MuscleVisualizer, PolicyController, upright
 
 
 def main(run: Path, realtime_rate: float = 0.25) -> None:
@@ -38,7 +37,7 @@ def main(run: Path, realtime_rate: float = 0.25) -> None:
     builder.Connect(scaled.get_output_port(), sensed.get_input_port(0))
     builder.Connect(senses, sensed.get_input_port(1))
     builder.Connect(sensed.get_output_port(), controller.GetInputPort("observation"))
-    builder.Connect(controller.GetOutputPort("excitation"), muscles.GetInputPort("excitation"))
+    builder.Connect(controller.GetOutputPort("excitation"), systems.excitation.get_input_port())
     MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
     MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
     diagram = builder.Build()

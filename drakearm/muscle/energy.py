@@ -26,9 +26,7 @@ def fiber_forces(fiber_length, tendon_force, m):
 @inner
 def fiber_and_tendon_power(fiber_length, fiber_velocity, mtu_velocity, tendon_force, m):
     """Mechanical power (W) that the fiber and the tendon deliver. Their sum is -tendon_force * mtu_velocity."""
-    along = fiber_velocity / _pennation_cosine(
-        fiber_length, m
-    )  # m/s, of the fiber along the tendon; its width is fixed
+    along = fiber_velocity / _pennation_cosine(fiber_length, m)  # m/s along the tendon; the fiber's width is fixed
     return -tendon_force * along, -tendon_force * (mtu_velocity - along)
 
 

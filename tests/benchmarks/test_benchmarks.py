@@ -15,12 +15,7 @@ import pytest
 
 BENCHMARKS = Path(__file__).parent
 DOCS = Path(__file__).parents[2] / "docs"
-WITHOUT_QUICK = {"integration"}
-SCRIPTS = [
-    file
-    for file in sorted(BENCHMARKS.glob("*.py"))
-    if not file.stem.startswith("test_") and file.stem not in WITHOUT_QUICK
-]
+SCRIPTS = [file for file in sorted(BENCHMARKS.glob("*.py")) if not file.stem.startswith("test_")]
 NUMBER = re.compile(r"(?<![\w.])-?(?:\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?|nan|inf)(?![\w.])")
 
 

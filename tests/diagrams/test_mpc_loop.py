@@ -78,8 +78,8 @@ def test_the_prediction_can_be_read_from_its_port(arm, model):
     np.testing.assert_allclose(predicted.value(0.06).ravel(), now, atol=2e-3)
 
 
-def test_before_the_first_plan_there_is_no_torque_and_no_prediction(arm, skeleton):
-    controller = MakeMpcLoop(arm, RecedingHorizon(skeleton, MOVEMENT, HORIZON)).controller
+def test_before_the_first_plan_there_is_no_torque_and_no_prediction(arm, model):
+    controller = MakeMpcLoop(arm, RecedingHorizon(model, MOVEMENT, HORIZON)).controller
     context = controller.CreateDefaultContext()
     np.testing.assert_array_equal(controller.GetOutputPort("torque").Eval(context), 0.0)
     predicted = controller.GetOutputPort("predicted_state").Eval(context)

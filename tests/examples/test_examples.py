@@ -62,3 +62,9 @@ def test_push_and_recover(capsys):
     off = load("push_and_recover").main()
     assert np.abs(off).max() < 0.02
     assert len(capsys.readouterr().out.splitlines()) == 4
+
+
+def test_own_task(capsys):
+    settings = PpoSettings(batches=2, environments=8, minibatches=2, imitation_rounds=0)
+    assert np.isfinite(load("own_task").main(settings))
+    assert "observations of 59 numbers" in capsys.readouterr().out

@@ -24,13 +24,13 @@ LOADS = (0.0, 1.0, 5.0, 20.0)
 PLANTS = {load: MakeTorqueArm(ARM, load) for load in LOADS}
 DYNAMICS = {load: read_dynamics(plant) for load, plant in PLANTS.items()}
 LOWER, UPPER = PLANTS[0.0].GetPositionLowerLimits(), PLANTS[0.0].GetPositionUpperLimits()
-# Beyond a shoulder angle of 2.2 rad the path of BIClong is shorter than its tendon: it has no equilibrium there.
+# Above a shoulder angle of 2.2 rad BIClong is shorter than its tendon, so it has no equilibrium to start from.
 shoulders, elbows = st.floats(LOWER[0], 2.2), st.floats(LOWER[1], UPPER[1])
 speeds = st.floats(-30.0, 30.0)
 
 
 def start(count, arm_state, load=0.0):
-    """A number of arms with arm_state (q and v) and muscles at rest."""
+    """Arms whose joints have the state arm_state, q and v, and whose muscles are at rest."""
     arms = CompiledArms(ARM, [DYNAMICS[load]] * count, LOWER, UPPER)
     states = np.tile(arm_state, (count, 1))
     arms.set_state(np.ones(count, dtype=bool), states, resting_states(ARM, states[:, :2], 0.05))
@@ -40,7 +40,7 @@ def start(count, arm_state, load=0.0):
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**31), st.sampled_from(LOADS), shoulders, elbows, speeds, speeds, st.floats(0.1, 10.0))
 def test_forces_stay_bounded_and_finite(seed, load, shoulder, elbow, v0, v1, sharpness):
-    """0.5 s of random excitations from any posture and speed give no NaN and no force of over 20 F_max."""
+    """0.5 s of random excitations, from any posture and speed: no NaN, and no force above 20 F_max."""
     arms, rng = start(1, [shoulder, elbow, v0, v1], load), np.random.default_rng(seed)
     muscles, paths = ARM.muscle_table, ARM.path_table
     for _ in range(50):
@@ -49,7 +49,7 @@ def test_forces_stay_bounded_and_finite(seed, load, shoulder, elbow, v0, v1, sha
         assert np.isfinite(x).all() and np.isfinite(state).all()
         force, _ = tendon_forces(state[0, :28], x[0], muscles, paths)
         assert (force >= 0.0).all()
-        # At 1.8 F_max a fiber yields. More force is possible only because one step can stretch the stiff tendon.
+        # A fiber yields at 1.8 F_max. The force can exceed this because a step can stretch the stiff tendon a lot.
         assert (force <= 20.0 * muscles["max_isometric_force"]).all()
         assert (x[0, :2] > LOWER - 0.6).all() and (x[0, :2] < UPPER + 0.6).all()
 
@@ -57,7 +57,7 @@ def test_forces_stay_bounded_and_finite(seed, load, shoulder, elbow, v0, v1, sha
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 13), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_activation_is_monotone_in_excitation(i, u, w):
-    """Of two arms that start in the same state, the one with the larger excitation never has the smaller activation."""
+    """Of two arms that start in the same state, the one with the larger excitation always has the larger activation."""
     excitation = np.full((2, 14), min(u, w))
     excitation[1, i] = max(u, w)
     arms = start(2, [0.0, 1.0, 0.0, 0.0])
@@ -84,7 +84,7 @@ def skeleton_energy(muscle_arm, context):
 
 
 def test_power_balance_along_a_simulation():
-    """Fiber plus tendon power is torque times joint speed, and its integral is the change of the skeleton's energy."""
+    """Fiber plus tendon power is generalized force times speed. Its integral is the change of the skeleton's energy."""
     excitation = np.full(14, 0.05)
     excitation[[3, 5]] = 0.3
     simulator, context, muscle_arm = make(ARM, excitation, 0.0, stops=False)
@@ -108,7 +108,7 @@ def test_power_balance_along_a_simulation():
 
 
 def elastic_energy(arm, fiber_length, mtu_length):
-    """Energy (J) stored in tendons and passive fibers: the integrals of their curves."""
+    """Energy (J) stored in tendons and passive fibers: the integrals of their force curves."""
     total = 0.0
     for m, fiber, mtu in zip(arm.muscle_table, fiber_length, mtu_length, strict=True):
         along = np.sqrt(fiber**2 - m["fiber_width"] ** 2)
@@ -122,7 +122,7 @@ def elastic_energy(arm, fiber_length, mtu_length):
 
 
 def test_energy_never_grows_with_passive_muscles():
-    """With muscles that are nearly inactive, the energy of skeleton, tendons, fibers and stops only falls."""
+    """With almost no activation, the energy of skeleton, tendons, fibers and stops together only falls."""
     arm = replace(ARM, muscles=tuple(replace(m, minimum_activation=1e-3) for m in ARM.muscles))
     simulator, context, muscle_arm = make(arm, np.zeros(14), 2.5e-4)
     muscle_arm.SetState(context, np.array([-0.6, 1.8]), activation=1e-3)
@@ -136,7 +136,8 @@ def test_energy_never_grows_with_passive_muscles():
         depth = np.maximum(q - UPPER, 0.0) + np.maximum(LOWER - q, 0.0)
         stops = 0.5 * STOP_STIFFNESS * (depth**2 + 0.5 * depth**4 / HARDENING**2).sum()
         energy.append(skeleton_energy(muscle_arm, context) + elastic_energy(arm, fiber, mtu) + stops)
-    # The least activation can still deliver power: a muscle's largest power is 0.1 * force * largest velocity.
+    # What the minimum activation can still deliver. The largest power of a muscle is a tenth of its largest force times
+    # its largest velocity.
     power = 0.1 * 1e-3 * (arm.muscle_table["max_isometric_force"] * arm.muscle_table["optimal_fiber_length"] * 10).sum()
     assert (np.diff(energy) <= 0.02 * power + 1e-4).all()
     assert energy[-1] < energy[0] - 0.1
@@ -144,7 +145,7 @@ def test_energy_never_grows_with_passive_muscles():
 
 @pytest.mark.parametrize("speed", [0.0, -10.0, -30.0])
 def test_stops_hold_20_kg_dropped_at_full_speed(speed):
-    """The bent, loaded arm extends against its stop: the elbow yields, comes back, and the stop takes energy out."""
+    """The bent, loaded arm falls onto the elbow stop, which yields, pushes the elbow back and removes energy."""
     simulator, context, muscle_arm = make(ARM, np.zeros(14), 1e-3, load=20.0)
     muscle_arm.SetState(context, np.array([0.0, 1.5]), np.array([0.0, speed]))
     plant_context = muscle_arm.plant.GetMyContextFromRoot(context)

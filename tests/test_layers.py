@@ -1,0 +1,52 @@
+"""Imports run downwards only: a module imports from its own room and from those below."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+LAYERS = [  # lowest first
+    {"muscle"},
+    {"model"},
+    {"task"},
+    {"systems"},
+    {"diagrams"},
+    {"planning", "learning"},
+    {"figures", "replay"},
+    {"experiments"},
+    {"cli"},
+]
+LEVEL = {room: level for level, layer in enumerate(LAYERS) for room in layer}
+FREE = {"errors", "lazy", "version", "gymnasium_registration"}  # below all layers
+FOLDERS = [ROOT / room if room in ("systems", "diagrams") else ROOT / "drakearm" / room for room in LEVEL]
+FILES = [file for folder in FOLDERS for file in sorted(folder.rglob("*.py"))]
+
+
+def imported_rooms(file):
+    """The rooms of drakearm that a file imports from, also inside functions."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        names = []
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [node.module]
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        for name in names:
+            parts = name.split(".")
+            if parts[0] == "drakearm" and len(parts) > 1:
+                yield parts[1]
+
+
+def test_all_rooms_have_a_layer():
+    rooms = {folder.name for folder in (ROOT / "drakearm").iterdir() if (folder / "__init__.py").is_file()}
+    assert rooms | {"systems", "diagrams"} == set(LEVEL)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(ROOT)))
+def test_imports_run_downwards(file):
+    room = file.relative_to(ROOT).parts[0]
+    room = room if room != "drakearm" else file.relative_to(ROOT).parts[1]
+    for other in imported_rooms(file):
+        if other in FREE:
+            continue
+        assert other == room or LEVEL[other] < LEVEL[room], f"{room} imports {other}"
