@@ -1,4 +1,4 @@
-"""Functions that build Diagrams out of Drake's systems and drakearm's."""
+"""Functions that build Diagrams from the Systems of Drake and drakearm."""
 
 from drakearm.diagrams.mpc_loop import MakeMpcLoop, MpcLoop
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm

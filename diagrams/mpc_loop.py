@@ -1,4 +1,4 @@
-"""Model predictive control in closed loop: an arm with motors follows a plan that is renewed every few steps."""
+"""Model predictive control in closed loop: an arm with motors at its joints, and a controller that plans repeatedly."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.systems.collocation_mpc import CollocationMpc, Planner
 
-_ACCURACY = 1e-6  # of the integrator, relative
+_ACCURACY = 1e-6  # relative, of the integrator
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class MpcLoop:
     logs: dict[str, VectorLogSink]
 
     def Run(self, q: np.ndarray, duration: float) -> Reference:
-        """Simulates from rest at q (n_q,), rad, for a duration (s), and returns the arm's movement.
+        """Simulates a duration (s) from rest at q (n_q,), rad, and returns the arm's movement.
 
-        Raises PlanningError where the controller finds no plan.
+        Raises PlanningError if the controller finds no plan.
         """
         simulator = Simulator(self.diagram)
         ResetIntegratorFromFlags(simulator, "runge_kutta3", CONTROL_STEP).set_target_accuracy(_ACCURACY)
@@ -51,8 +51,8 @@ class MpcLoop:
 def MakeMpcLoop(arm: Arm, planner: Planner, load_mass: float = 0.0, disturbance: Trajectory | None = None) -> MpcLoop:
     """The torque-driven arm, controlled by `CollocationMpc`.
 
-    planner: see `CollocationMpc`. load_mass: kg, in the hand. disturbance: torques (n_q,), Nm, over time, that also act
-    on the joints; the planner does not know them.
+    planner: see `CollocationMpc`. load_mass: kg, in the hand. disturbance: additional torques (n_q,), Nm, on the joints
+    over time, which the planner does not know.
     """
     builder = DiagramBuilder()
     plant = builder.AddNamedSystem("plant", MakeTorqueArm(arm, load_mass))

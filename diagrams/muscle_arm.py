@@ -1,4 +1,4 @@
-"""The arm with its muscles, as a part of a user's Diagram."""
+"""The arm with its muscles, as a part of a Diagram."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ TIME_STEP = 1e-3  # s
 
 @dataclass(frozen=True)
 class MuscleArm:
-    """The systems of an arm in a Diagram. Connect to `muscles.GetInputPort("excitation")`."""
+    """The systems of an arm in a Diagram. Connect the excitations (n,) to `muscles.GetInputPort("excitation")`."""
 
     arm: Arm
     plant: MultibodyPlant
@@ -37,11 +37,12 @@ class MuscleArm:
         v: np.ndarray | None = None,
         activation: float | np.ndarray = RESTING_ACTIVATION,
     ) -> None:
-        """Puts the joints at q (n_q,), rad, and v (n_q,), rad/s, default 0, and the muscles in equilibrium there.
+        """Sets the joints to q (n_q,), rad, and v (n_q,), rad/s, default 0, with the muscles in equilibrium at rest.
 
-        activation: one for all muscles or (n,). To set the plant's positions alone is enough before a simulation is
-        initialized, see `HillMuscles`; later it would stretch the tendons in an instant. Raises StateError for another
-        size or numbers that are not finite, and EquilibriumError where a muscle has no equilibrium.
+        activation: one number for all muscles, or (n,). Before a simulation is initialized you may set the positions of
+        the plant only, see `HillMuscles`. Later that would stretch the tendons suddenly, so use this method. Raises
+        StateError for arrays of another size or numbers that are not finite, and EquilibriumError if a muscle has no
+        equilibrium.
         """
         n_q = len(self.arm.coordinates)
         q = np.asarray(q, dtype=float)
@@ -54,10 +55,10 @@ class MuscleArm:
         self.muscles.SetEquilibrium(self.muscles.GetMyMutableContextFromRoot(root_context), q, activation)
 
     def SetEquilibrium(self, root_context: Context, q: np.ndarray) -> Equilibrium:
-        """Puts the arm at rest at q (n_q,), rad, with muscles that hold it there, and returns their excitations.
+        """Sets the arm to rest at q (n_q,), rad, with muscles that hold it there, and returns this equilibrium.
 
-        Nothing moves while the muscles get these excitations, so that Drake's `Linearize` works there. Raises
-        EquilibriumError where the muscles are too weak to hold the posture.
+        Nothing moves while the muscles get the excitations of the equilibrium, so Drake's `Linearize` works there.
+        Raises EquilibriumError if the muscles are too weak to hold the posture.
         """
         equilibrium = find_equilibrium(self.arm, q, self.load_mass)
         self.SetState(root_context, q, activation=equilibrium.activation)
@@ -76,10 +77,10 @@ def AddMuscleArm(
 ) -> MuscleArm:
     """Adds plant, muscles and joint stops to a builder and connects them to each other.
 
-    load_mass: kg, welded to the hand. stops: whether joints are kept in the range that the skeleton file gives.
-    time_step: s, of the muscles and stops; 0 makes them continuous. scene_graph: registers the skeleton's shapes for
-    drawing, and those of an obstacle, which the arm does not feel. The plant is always continuous: simulate with
-    `MakeSimulator`, or with an integrator of your choice.
+    load_mass: kg, welded to the hand. stops: whether JointStops keep the joints in the ranges of the skeleton file.
+    time_step: s, of the muscles and stops; 0 makes them continuous. scene_graph: where the shapes of the skeleton and
+    of the obstacle are registered for drawing. obstacle: only drawn, the arm passes through it. The plant is always
+    continuous: simulate with `MakeSimulator`, or with an integrator of your choice.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(time_step=0.0))
     if scene_graph is not None:
@@ -112,7 +113,7 @@ def AddMuscleArm(
 
 
 def MakeSimulator(diagram: Diagram, time_step: float = TIME_STEP) -> Simulator:
-    """A Simulator with the second-order Runge-Kutta steps that match discrete muscles: fixed, one per muscle step."""
+    """A Simulator for discrete muscles: second-order Runge-Kutta with fixed steps, one per time step of the muscles."""
     simulator = Simulator(diagram)
     integrator = ResetIntegratorFromFlags(simulator, "runge_kutta2", time_step)
     integrator.set_fixed_step_mode(True)

@@ -1,4 +1,4 @@
-"""The closed loop with a policy: it drives the arm along a reference, recorded and drawn."""
+"""The closed loop with a policy, which drives the arm along a reference."""
 
 from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.systems.framework import DiagramBuilder
@@ -11,7 +11,7 @@ from drakearm.task import TrackingTask
 
 
 def MakePolicyLoop(task: TrackingTask, policy: Policy, meshcat: Meshcat | None = None) -> TrackingLoop:
-    """The tracking task with a policy (observation to excitations) in charge; drawn live if a Meshcat is given."""
+    """The tracking task controlled by a policy (observation to excitations); drawn live if a Meshcat is given."""
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph()) if meshcat else None
     systems = AddTrackingTask(builder, task, scene_graph)

@@ -1,4 +1,4 @@
-"""The closed loop without learning: static optimization drives the arm along a reference."""
+"""The closed loop with static optimization, which drives the arm along a reference without learning."""
 
 from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.systems.framework import DiagramBuilder
@@ -17,9 +17,9 @@ def MakeStaticLoop(
     feedback: Feedback = FEEDBACK,
     meshcat: Meshcat | None = None,
 ) -> TrackingLoop:
-    """The tracking task with `StaticOptimizer` in charge, which knows the load; drawn live if a Meshcat is given.
+    """The tracking task controlled by `StaticOptimizer`, which knows the load; drawn live if a Meshcat is given.
 
-    feedback: on the tracking error.
+    feedback: how accelerations respond to the tracking error.
     """
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph()) if meshcat else None

@@ -1,4 +1,4 @@
-"""The closed loop: a controller that drives the arm along a reference, recorded and drawn."""
+"""The closed loop of any controller that drives the arm along a reference, with recording and drawing."""
 
 from dataclasses import dataclass
 
@@ -16,16 +16,16 @@ from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
 
 @dataclass(frozen=True)
 class TrackingLoop:
-    """A closed-loop Diagram, its systems and its logs, which sample the control steps."""
+    """A closed-loop Diagram, its systems and its logs, which have one sample per control step."""
 
     diagram: Diagram
     systems: TaskSystems
     logs: dict[str, VectorLogSink]
 
     def Run(self, rng: np.random.Generator | None = None) -> Recording:
-        """Simulates the reference from the task's start to the end and returns what happened.
+        """Simulates from the task's start to the end of the reference and returns the recording.
 
-        rng: draws the noise of the start, if given.
+        rng: generates the noise of the start. Without it the start has no noise.
         """
         simulator = MakeSimulator(self.diagram)
         context = simulator.get_mutable_context()
@@ -55,9 +55,10 @@ def close_loop(
     scene_graph: SceneGraph | None,
     meshcat: Meshcat | None,
 ) -> TrackingLoop:
-    """Lets a controller's output `excitation` drive the muscles, logs and draws, and builds the Diagram of that name.
+    """Connects a controller's output `excitation` to the muscles, adds logs and drawing, and builds the Diagram.
 
-    scene_graph and meshcat: both or none. The controller's inputs are connected already.
+    name: of the Diagram. scene_graph, meshcat: for drawing; give both or none. The inputs of the controller must be
+    connected already.
     """
     muscles, excitation = systems.arm.muscles, controller.GetOutputPort("excitation")
     builder.Connect(excitation, systems.excitation.get_input_port())

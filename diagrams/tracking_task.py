@@ -1,4 +1,4 @@
-"""The Diagram of a task: an arm, its reference, senses and reward, without what decides the excitations."""
+"""The Diagram of a task: arm, reference, senses and reward. The controller, which decides excitations, is not in it."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ from drakearm.task import StartState, TrackingTask
 
 @dataclass(frozen=True)
 class TaskSystems:
-    """The systems of a task in a Diagram. Connect what decides the excitations to the input of `excitation`."""
+    """The systems of a task in a Diagram. Connect the excitations of a controller to the input of `excitation`."""
 
     task: TrackingTask
     arm: MuscleArm
@@ -25,12 +25,12 @@ class TaskSystems:
     reward: TrackingReward
 
     def StartState(self, rng: np.random.Generator | None = None) -> StartState:
-        """A start of the task, with its noise if a generator is given, brought into the joints' ranges."""
+        """A start state of the task, clamped to the joint ranges. Without rng it has no noise."""
         plant, start = self.arm.plant, self.task.start(self.task.reference, rng)
         return start._replace(q=np.clip(start.q, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()))
 
     def Reset(self, root_context: Context, rng: np.random.Generator | None = None) -> StartState:
-        """Puts the arm into a start state, which it returns, and the time to that of its place on the reference."""
+        """Draws a start state, sets the arm and the time to it, and returns it. The time is that on the reference."""
         start = self.StartState(rng)
         root_context.SetTime(start.step * CONTROL_STEP)
         self.arm.SetState(root_context, start.q, start.v, start.activation)
@@ -40,8 +40,8 @@ class TaskSystems:
 def AddTrackingTask(builder: DiagramBuilder, task: TrackingTask, scene_graph: SceneGraph | None = None) -> TaskSystems:
     """Adds arm, reference, senses and reward to a builder and connects them.
 
-    The start of the task is also Drake's: the default posture of the arm is that without noise, and SetRandomContext
-    draws one with noise (`Start.random_posture`).
+    The task's start is also the start of Drake's own contexts: the default context has the posture without noise, and
+    SetRandomContext draws a posture with noise (`Start.random_posture`).
     """
     arm = AddMuscleArm(builder, task.arm, load_mass=task.load_mass, scene_graph=scene_graph, obstacle=task.obstacle)
     arm.plant.SetDefaultPositions(task.start(task.reference, None).q)
@@ -78,8 +78,8 @@ def AddTrackingTask(builder: DiagramBuilder, task: TrackingTask, scene_graph: Sc
 def MakeTrackingTask(task: TrackingTask) -> tuple[Diagram, TaskSystems]:
     """A Diagram with the ports that `DiagramEnv` and pydrake.gym expect, and its systems.
 
-    Input: actions, the excitations (n,). Outputs: observations (`Proprioception`), reward (1,), and for information
-    arm_state (2 n_q,), tracking_error (n_q,) and activation (n,).
+    Input: actions, which are the excitations (n,). Outputs: observations (`Proprioception`) and reward (1,). Further
+    outputs, for information only: arm_state (2 n_q,), tracking_error (n_q,) and activation (n,).
     """
     builder = DiagramBuilder()
     systems = AddTrackingTask(builder, task)

@@ -1,4 +1,4 @@
-"""The errors that a user of drakearm can cause, each with one sentence saying what, where and what was expected."""
+"""The errors that a user of drakearm can cause. Each message says what is wrong, where, and what was expected."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -13,11 +13,11 @@ class ArmError(DrakearmError):
 
 
 class EquilibriumError(DrakearmError):
-    """A muscle that has no fiber length at which fiber and tendon pull with the same force."""
+    """A muscle whose fiber and tendon cannot be in equilibrium, or a posture that the muscles are too weak to hold."""
 
 
 class DerivativeError(DrakearmError):
-    """A quantity that cannot be differentiated automatically, or not in this form."""
+    """A quantity that cannot be computed with automatic differentiation, or not in this mode of its system."""
 
 
 class ScenarioError(DrakearmError):
@@ -25,7 +25,7 @@ class ScenarioError(DrakearmError):
 
 
 class PlanningError(DrakearmError):
-    """An optimal-control problem that has no solution, or for which the solver found none."""
+    """An optimal-control problem without a solution, or one for which the solver found no solution."""
 
 
 class TaskError(DrakearmError, ValueError):
@@ -49,7 +49,7 @@ class PolicyFileError(DrakearmError):
 
 
 class RunFolderError(DrakearmError):
-    """A run folder that lacks a file, or one that would have been overwritten."""
+    """A run folder that lacks a file or has a damaged one, or in which a file would have been overwritten."""
 
 
 class OwnCodeError(DrakearmError):
@@ -57,5 +57,5 @@ class OwnCodeError(DrakearmError):
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """The text " (did you mean X?)" with the known name that is closest; empty if none is close."""
+    """The text " (did you mean X?)", where X is the most similar known name; empty if none is similar."""
     return "".join(f" (did you mean {close}?)" for close in get_close_matches(name, known, n=1))

@@ -37,9 +37,9 @@ class CollocationMpc(LeafSystem):
     The first plan is made when the simulation is initialized. Before that, the trajectory of `predicted_state` has no
     segments.
 
-    planner: computes the motion from the present on. Its arguments are the time (s), the arm's state (2 n_q,) and the
-    previous plan (None at first). `drakearm.planning.RecedingHorizon` is one. An exception of the planner ends the
-    simulation.
+    planner: a function that plans the motion from the present on, such as `drakearm.planning.RecedingHorizon`. Its
+    arguments are the time (s), the arm's state (2 n_q,) and the previous plan (None at first). An exception of the
+    planner ends the simulation.
     """
 
     def __init__(self, planner: Planner, n_q: int, replanning_step: float = REPLANNING_STEP):
@@ -71,7 +71,7 @@ class CollocationMpc(LeafSystem):
         trajectory.set_value(context.get_abstract_state(int(self._motion)).get_value().states)
 
     def _planned(self, context: Context) -> Motion | None:
-        """The latest plan; None before the first."""
+        """The latest plan; None before the first one."""
         motion = context.get_abstract_state(int(self._motion)).get_value()
         return motion if motion.states.get_number_of_segments() else None
 

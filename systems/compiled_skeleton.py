@@ -31,8 +31,8 @@ def CompiledSkeleton_(T):
         ================= ====== =========== ====================
 
         dynamics: the equations of motion that `read_dynamics(plant)` derives, without joint limits and damping. The
-        continuous state is q and v. In AutoDiffXd one compiled call gives the accelerations and their Jacobian. A plant
-        carries the derivatives through all of its arithmetic, which takes longer.
+        continuous state is q and v. In AutoDiffXd one compiled call gives the accelerations and their Jacobian. A
+        MultibodyPlant carries the derivatives through all of its arithmetic, which takes longer.
         """
 
         def _construct(self, dynamics: DynamicsTable, *, converter=None):

@@ -32,7 +32,7 @@ _REPORT = ("active_force", "passive_force", "fiber_power", "tendon_power", "meta
 @TemplateSystem.define("HillMuscles_", T_list=[float, AutoDiffXd])
 def HillMuscles_(T):
     class Impl(LeafSystem_[T]):
-        """The muscles of an arm, driven by excitations, pulling on the arm's joints.
+        """The muscles of an arm: excitations drive them, and they pull on the arm's joints.
 
         .. pydrake_system::
 
@@ -59,32 +59,34 @@ def HillMuscles_(T):
         ================= ======= ==== =======================================================================
         excitation        n       0..1 neural command; clamped to [minimum_activation, 1]
         arm_state         2 n_q   SI   q and v of the skeleton, rad and rad/s
-        generalized_force n_q     Nm   what the muscles exert at the joints
+        generalized_force n_q     Nm   of the muscles on the joints
         activation        n       0..1
         fiber_length      n       m
         fiber_velocity    n       m/s  negative while the fiber shortens
         tendon_force      n       N
         mtu_length        n       m    of the musculotendon path
-        joint_moment      n n_q   Nm   of muscle i at coordinate j in element i n_q + j
+        joint_moment      n n_q   Nm   of each muscle at each joint: element i n_q + j, muscle i, joint j
         active_force      n       N    of the contractile element, along the fiber
         passive_force     n       N    of the parallel element, along the fiber
         fiber_power       n       W    that the fiber delivers
-        tendon_power      n       W    that the tendon delivers; with fiber_power -tendon_force d(mtu_length)/dt
+        tendon_power      n       W    that the tendon delivers
         metabolic_power   n       W    heat and work, Bhargava et al. (2004)
         ================= ======= ==== =======================================================================
 
-        Muscles whose state nobody has set start in equilibrium with the joints: when a simulation is initialized and
-        the state is still the default one, fibers and tendons are brought into equilibrium at arm_state. So it is
-        enough to set the positions of the plant. Without a Simulator, call `SetEquilibrium`. Excitations that are not
-        finite raise StateError.
+        The sum of fiber_power and tendon_power is -tendon_force d(mtu_length)/dt.
+
+        Muscles start in equilibrium with the joints by default: if the state of the muscles has not been set when a
+        simulation is initialized, fibers and tendons are brought into equilibrium at arm_state. So it is enough to set
+        the positions of the plant. Without a Simulator, call `SetEquilibrium`. Excitations that are not finite raise
+        StateError.
 
         time_step = 0: activation and fiber length are continuous states, in this order, for any of Drake's integrators
-        and for linearization: the system converts to AutoDiffXd, in which all outputs but the last five exist. Barely
-        active fibers are stiff (to 8e4 /s), so that is the way of checks.
+        and for linearization. The system converts to AutoDiffXd, but joint_moment and the last five outputs do not
+        exist there. Barely active fibers are stiff (rates up to 8e4 /s), so use continuous muscles for checks.
 
-        time_step > 0 (s): the states are discrete. Each step is implicit and of second order (`muscle_step`), stable at
-        any activation. Then generalized_force is held constant over a step and does not feed arm_state through, while
-        the other forces follow the joints. It does not step in AutoDiffXd.
+        time_step > 0 (s): the states are discrete. Each step is implicit and of second order (`muscle_step`), and it is
+        stable at any activation. generalized_force is held constant during each step, so it has no direct feedthrough
+        from arm_state. The other forces follow the joints within the step. Discrete muscles cannot step in AutoDiffXd.
         """
 
         def _construct(self, arm: Arm, time_step: float = 1e-3, *, converter=None):
@@ -134,8 +136,8 @@ def HillMuscles_(T):
         def SetEquilibrium(self, context: Context, q: np.ndarray, activation: float = RESTING_ACTIVATION):
             """Sets the muscles' state to rest at joint angles q (n_q,), rad, with one activation or (n,) activations.
 
-            Raises EquilibriumError where a muscle has no equilibrium, and StateError for another size or numbers that
-            are not finite.
+            Raises EquilibriumError if a muscle has no equilibrium, and StateError for arrays of another size or numbers
+            that are not finite.
             """
             state, tau = resting_state(self.arm, np.asarray(q, dtype=float), activation)
             if self.time_step > 0.0:
@@ -145,7 +147,7 @@ def HillMuscles_(T):
                 context.SetContinuousState(state[: 2 * self._n])
 
         def _settle(self, context: Context, state: State) -> EventStatus:
-            """Brings muscles that are still in their default state into equilibrium with the joints."""
+            """Brings the muscles into equilibrium with the joints if they are still in their default state."""
             default = self._default if self.time_step > 0.0 else self._default[: 2 * self._n]
             if not np.array_equal(self._state(context), default):
                 return EventStatus.DidNothing()
@@ -164,7 +166,7 @@ def HillMuscles_(T):
                 raise StateError(f"The excitation of {', '.join(bad)} is not finite: expected numbers from 0 to 1.")
 
         def GetStateNames(self) -> list[str]:
-            """What each element of the state vector is, like "BRA_fiber_length"; see MultibodyPlant.GetStateNames."""
+            """Names of the elements of the state, such as "BRA_fiber_length"; like MultibodyPlant.GetStateNames."""
             kinds = ["activation", "fiber_length"]
             if self.time_step > 0.0:
                 kinds += ["previous_fiber_length", "fiber_velocity"]
@@ -181,14 +183,14 @@ def HillMuscles_(T):
             return state[: 2 * self._n] if self.time_step > 0.0 else state
 
         def _differentiate(self, fibers, excitation, arm_state, rows):
-            """Rows of `linearize_muscles` as AutoDiffXd: its Jacobian chained onto the inputs' gradients."""
+            """Rows of `linearize_muscles` as AutoDiffXd: gradient = its Jacobian times the gradients of the inputs."""
             inputs = [ExtractValue(x).ravel() for x in (fibers, excitation, arm_state)]
             value, jacobian = linearize_muscles(*inputs, *self._tables)
             gradient = ExtractGradient(np.concatenate([fibers, excitation, arm_state]))
             return InitializeAutoDiff(value[rows], jacobian[rows] @ gradient).ravel()
 
         def _differentiate_output(self, context, rows):
-            """The same for outputs, which do not depend on the excitation."""
+            """`_differentiate` for outputs that do not depend on the excitation."""
             no_excitation = np.array([AutoDiffXd(0.0)] * self._n)
             return self._differentiate(self._fibers(context), no_excitation, self._arm_state.Eval(context), rows)
 

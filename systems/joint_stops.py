@@ -1,4 +1,4 @@
-"""JointStops: what keeps joints inside their range."""
+"""JointStops: springs and dampers that keep joints inside their range."""
 
 import numpy as np
 from pydrake.autodiffutils import AutoDiffXd
@@ -32,12 +32,12 @@ def JointStops_(T):
         port              size   unit        meaning
         ================= ====== =========== =====================================
         arm_state         2 n_q  rad, rad/s  q and v of the skeleton
-        generalized_force n_q    Nm          what the stops exert at the joints
+        generalized_force n_q    Nm          of the stops on the joints
         ================= ====== =========== =====================================
 
-        lower, upper: ends of the range (n_q,), rad; infinite ends have no stop. stiffness: Nm/rad. damping: Nm s/rad.
-        time_step = 0: the torque follows arm_state. time_step > 0 (s): it is updated every step for the joint state
-        that is expected at the middle of the step, and held.
+        lower, upper: ends of the range (n_q,), rad; an infinite end has no stop. stiffness: Nm/rad. damping: Nm s/rad.
+        time_step = 0: the torque follows arm_state continuously. time_step > 0 (s): every step computes the torque for
+        the joint state that is expected at the middle of the step, and holds it during the step.
         """
 
         def _construct(

@@ -13,7 +13,7 @@ from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
 from drakearm.model import Arm
 from drakearm.systems.hill_muscles import HillMuscles
 
-_THICKNESS = 3.5e-4  # m / sqrt(N): the radius of a drawn muscle over the root of its force
+_THICKNESS = 3.5e-4  # m / sqrt(N): the radius of a drawn muscle over the square root of its max_isometric_force
 _SHORTEST = 1e-6  # m: a drawn length of 0 would have no normals
 _RAMP = np.array(  # from slate at rest to red: even steps of lightness and hue in the Oklab space
     [
@@ -34,9 +34,9 @@ def activation_color(activation: np.ndarray) -> np.ndarray:
 
 
 def segment_pose(start: np.ndarray, end: np.ndarray) -> tuple[RigidTransform, float]:
-    """The pose of a straight piece of a muscle between two points (3,), m, and its length, m.
+    """The pose of a straight piece of a muscle between two points (3,), m, and the length of the piece, m.
 
-    The origin is at start, z points to end. Where the two coincide, the axes are the parent's.
+    The origin is at start, and z points to end. If the two points coincide, the axes are those of the parent frame.
     """
     along = end - start
     length = float(np.linalg.norm(along))
@@ -46,9 +46,9 @@ def segment_pose(start: np.ndarray, end: np.ndarray) -> tuple[RigidTransform, fl
 
 
 def upright(arm: Arm) -> RigidTransform:
-    """The transform that stands the arm's world upright in Meshcat, whose z axis points up.
+    """The transform that turns the arm's world upright in Meshcat, whose z axis points up.
 
-    For example `meshcat.SetTransform("/drake", upright(arm))`. The identity without gravity.
+    Use it as in `meshcat.SetTransform("/drake", upright(arm))`. Without gravity it is the identity.
     """
     gravity = np.array(arm.gravity)
     if not gravity.any():
@@ -62,11 +62,10 @@ def upright(arm: Arm) -> RigidTransform:
 
 
 class MuscleDrawing:
-    """The muscles of an arm as cylinders in Meshcat, to be moved with the arm's bodies.
+    """The muscles of an arm as cylinders in Meshcat, which `draw` moves with the arm's bodies.
 
-    Each straight piece of a muscle is a cylinder with a ball at its start, at
-    `<path>/<muscle>/<piece>`. The radius goes with the root of max_isometric_force, so that the
-    cross section goes with the force.
+    Each straight piece of a muscle is a cylinder with a ball at its start, at the path `<path>/<muscle>/<piece>`. The
+    radius is proportional to the square root of max_isometric_force, so the cross section is proportional to the force.
     """
 
     def __init__(self, meshcat: Meshcat, path: str, arm: Arm, plant: MultibodyPlant):
@@ -90,9 +89,10 @@ class MuscleDrawing:
         activation: np.ndarray,
         time_in_recording: float | None = None,
     ) -> None:
-        """Moves the cylinders to body poses X_WB, colors them by activation (n,).
+        """Moves the cylinders to the body poses X_WB and colors them by activation (n,).
 
-        X_WB: in order of BodyIndex. time_in_recording: s, also keeps the frame while recording.
+        X_WB: in the order of BodyIndex. time_in_recording: time (s) of this frame in Meshcat's recording, if there is
+        one.
         """
         colors = _linear(activation_color(activation))
         for (pieces, points), color in zip(self._muscles, colors, strict=True):
@@ -105,10 +105,10 @@ class MuscleDrawing:
     ) -> None:
         pose, length = segment_pose(start, end)
         self._meshcat.SetTransform(piece, pose, time)
-        # Meshcat drops a node's scale when it sets its transform: the cylinder is its own node.
+        # Meshcat forgets the scale of a node when it sets its transform, so the cylinder has a node of its own.
         stretch = [1.0, 1.0, max(length, _SHORTEST)]
         self._meshcat.SetProperty(f"{piece}/cylinder", "scale", stretch, time)
-        # Of the ways to name a color, this one works in a live scene and in a recording.
+        # Meshcat has several names for the color of a shape. This one works in a live scene and in a recording.
         for shape in (f"{piece}/ball/<object>", f"{piece}/cylinder/unit/<object>"):
             for channel, value in zip("rgb", color, strict=True):
                 name = f"material.color[{channel}]"
@@ -116,12 +116,12 @@ class MuscleDrawing:
 
 
 def _linear(srgb: np.ndarray) -> np.ndarray:
-    """sRGB to the linear light that Meshcat's color properties hold (IEC 61966-2-1)."""
+    """Converts sRGB to linear light, which Meshcat's color properties expect (IEC 61966-2-1)."""
     return np.where(srgb > 0.04045, ((srgb + 0.055) / 1.055) ** 2.4, srgb / 12.92)
 
 
 class MuscleVisualizer(LeafSystem):
-    """Draws the muscles of an arm in Meshcat: thickness by strength, color by activation.
+    """Draws the muscles of an arm in Meshcat. Their thickness shows the strength, their color the activation.
 
     .. pydrake_system::
 
@@ -138,8 +138,8 @@ class MuscleVisualizer(LeafSystem):
     body_poses   list[RigidTransform] m      X_WB, MultibodyPlant's output of the same name
     ============ ==================== ====== ==================================================
 
-    It draws a `MuscleDrawing` every publish_period (s) and at forced publishes, also into Meshcat's
-    recording, if there is one. The skeleton is for Drake's MeshcatVisualizer to draw.
+    It draws a `MuscleDrawing` every publish_period (s) and at forced publishes, and into Meshcat's recording, if one is
+    being made. Drake's MeshcatVisualizer draws the skeleton.
     """
 
     PUBLISH_PERIOD = 1.0 / 64.0  # as MeshcatVisualizer

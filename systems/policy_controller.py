@@ -9,7 +9,7 @@ Policy = Callable[[np.ndarray], np.ndarray]
 
 
 class PolicyController(LeafSystem):
-    """Asks a policy for excitations at every control step and holds them in between.
+    """Evaluates a policy at every control step and holds its excitations until the next one.
 
     .. pydrake_system::
 
@@ -23,12 +23,13 @@ class PolicyController(LeafSystem):
     port        size             unit meaning
     =========== ================ ==== ===========================================
     observation the policy's     1    see Proprioception
-    excitation  one a muscle     0..1 held for one control step; 0 before the first
+    excitation  n                0..1 held for one control step; 0 before the first
     =========== ================ ==== ===========================================
 
-    policy: any function from an observation to excitations, `drakearm.learning.Policy.act` for one.
-    The decision is an unrestricted update, which Drake handles before discrete updates of the same instant: discrete
-    muscles feel a new excitation in the very step in which it was decided.
+    policy: any function from an observation to excitations, such as `drakearm.learning.Policy.act`. n_observation,
+    n_excitation: their sizes. control_step: s. The decision is an unrestricted update. Drake makes such updates before
+    the discrete updates of the same instant, so discrete muscles use a new excitation already in the step that begins
+    when it is decided.
     """
 
     def __init__(self, policy: Policy, n_observation: int, n_excitation: int, control_step: float):

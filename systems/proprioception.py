@@ -1,4 +1,4 @@
-"""Proprioception: what a controller of the arm senses."""
+"""Proprioception: the observation of a task, which a controller of the arm gets."""
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -6,7 +6,7 @@ from drakearm.task import TrackingTask, signal_size
 
 
 class Proprioception(LeafSystem):
-    """Computes the observation of a task from signals.
+    """Computes the observation of a task from the signals of its Diagram.
 
     .. pydrake_system::
 
@@ -20,7 +20,7 @@ class Proprioception(LeafSystem):
     port           size                 unit     meaning
     ============== ==================== ======== ===============================================
     each signal    `signal_size` of it  SI       see `drakearm.task.SIGNALS`
-    observation    `Observation.size`   1        the senses, scaled, in the order of the task's
+    observation    `Observation.size`   1        the task's senses, scaled, in their order
     ============== ==================== ======== ===============================================
     """
 

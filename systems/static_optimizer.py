@@ -1,4 +1,4 @@
-"""StaticOptimizer: drives the muscles along a reference without learning."""
+"""StaticOptimizer: a controller that follows a reference by static optimization, without learning."""
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -35,14 +35,19 @@ class StaticOptimizer(LeafSystem):
     excitation n     0..1                 held for one control step; 0 before the first
     ========== ===== ==================== ====================================================
 
-    This is computed muscle control (Thelen, Anderson and Delp 2003) without its forecast of the joints. `Feedback`
-    gives the desired accelerations. The inverse dynamics of a plant of its own, with load_mass (kg) in the hand, turn
-    them into torques, and `static_activations` turns the torques into activations. The excitation is the one that
-    brings each activation there within a control step. Forces lag behind activations while tendons stretch, which the
-    method does not know: four times the default stiffness already makes the arm tremble.
+    This is computed muscle control (Thelen, Anderson and Delp 2003) without its prediction of the joint motion. One
+    decision has four steps:
 
-    The decision is an unrestricted update, which Drake handles before discrete updates of the same instant: discrete
-    muscles feel a new excitation in the very step in which it was decided.
+    1. `Feedback` gives the desired accelerations.
+    2. Inverse dynamics, of a plant of its own with load_mass (kg) in the hand, gives the torques for them.
+    3. `static_activations` gives the activations for these torques.
+    4. `excitations_to_reach` gives the excitations that bring each activation there within a control step.
+
+    The method neglects that forces lag behind activations while tendons stretch. Therefore four times the default
+    stiffness already makes the arm tremble.
+
+    The decision is an unrestricted update. Drake makes such updates before the discrete updates of the same instant, so
+    discrete muscles use a new excitation already in the step that begins when it is decided.
     """
 
     def __init__(

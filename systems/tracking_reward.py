@@ -1,4 +1,4 @@
-"""TrackingReward: how well the arm follows a reference."""
+"""TrackingReward: the reward of a task, and the tracking error."""
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -6,7 +6,7 @@ from drakearm.task import TrackingTask, signal_size
 
 
 class TrackingReward(LeafSystem):
-    """Computes the reward of a task, and the tracking error.
+    """Computes the reward of a task from the signals of its Diagram, and the tracking error.
 
     .. pydrake_system::
 
@@ -25,7 +25,7 @@ class TrackingReward(LeafSystem):
     arm_state        2 n_q                rad, rad/s  q and v
     reference        2 n_q                rad, rad/s  desired q and v
     each signal      `signal_size` of it  SI          see `drakearm.task.SIGNALS`
-    reward           1                    1           of the task's `Reward`
+    reward           1                    1           the task's `Reward`
     tracking_error   n_q                  rad         q minus desired q
     ================ ==================== =========== ========================================
     """

@@ -1,4 +1,4 @@
-"""What an arm is: frozen dataclasses that hold its muscles and check every number when they are made."""
+"""An arm and its muscles as frozen dataclasses, which check every number when they are created."""
 
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +23,10 @@ _STEEPEST = np.arccos(0.1)  # pennation at the minimum fiber length, as in OpenS
 
 @dataclass(frozen=True, config=STRICT)
 class PathTerm:
-    """What one coordinate (rad) contributes to a musculotendon length (m): a B-spline, linear outside its knots."""
+    """The part of a musculotendon length (m) that depends on one coordinate (rad).
+
+    It is a B-spline, which continues linearly outside its knots.
+    """
 
     coordinate: Name
     knots: tuple[Finite, ...]
@@ -35,9 +38,10 @@ class PathTerm:
         knots = info.data.get("knots", ())
         degree = len(knots) - len(coefficients) - 1
         if degree < 1:
-            raise ValueError(f"expected fewer coefficients than the {len(knots)} knots less 1")
+            needed = len(coefficients) + 2
+            raise ValueError(f"expected at least {needed} knots for {len(coefficients)} coefficients, not {len(knots)}")
         if np.any(np.diff(knots) < 0) or not knots[degree] < knots[-degree - 1]:
-            raise ValueError("expected knots that rise")
+            raise ValueError("expected knots in ascending order")
         return coefficients
 
     @property
@@ -48,11 +52,11 @@ class PathTerm:
 
 @dataclass(frozen=True, config=STRICT)
 class Muscle:
-    """A Hill-type muscle. Units: m, N, s, rad, Pa; strains, shapes and fractions have none.
+    """A Hill-type muscle. Units: m, N, s, rad, Pa; strains, shapes and fractions have no unit.
 
-    model: thelen2003, or degroote2016, which is smooth everywhere. tendon: compliant, or rigid, which leaves the fiber
-    length to the joints. The fields passive_shape, passive_strain and tendon_strain serve both models, active_width,
-    force_velocity_shape and eccentric_force thelen2003 only.
+    model: thelen2003, or degroote2016, which is smooth everywhere. tendon: compliant or rigid. With a rigid tendon the
+    joint angles alone determine the fiber length. Both models use passive_shape, passive_strain and tendon_strain. Only
+    thelen2003 uses active_width, force_velocity_shape and eccentric_force.
     """
 
     name: Name
@@ -61,7 +65,7 @@ class Muscle:
     tendon_slack_length: Positive
     pennation_angle: Annotated[float, Field(ge=0, lt=1.4)]  # at the optimal fiber length
     path: Annotated[tuple[PathTerm, ...], Field(min_length=1)]
-    points: tuple[tuple[Name, tuple[Finite, Finite, Finite]], ...]  # (body, position in it), to draw
+    points: tuple[tuple[Name, tuple[Finite, Finite, Finite]], ...]  # (body, position in it), for drawing only
     max_contraction_velocity: Positive  # optimal fiber lengths per second
     activation_time: Positive
     deactivation_time: Positive
@@ -72,7 +76,7 @@ class Muscle:
     active_width: Positive
     force_velocity_shape: Positive
     eccentric_force: Annotated[float, Field(gt=1, allow_inf_nan=False)]  # over isometric force
-    specific_tension: Positive  # Pa, gives the muscle's mass
+    specific_tension: Positive  # Pa, determines the muscle's mass
     slow_twitch_fraction: Annotated[float, Field(ge=0, le=1)]  # of the fibers, for the metabolic power
     model: str = "thelen2003"  # one of `drakearm.muscle.models.MODELS`
     tendon: Literal["compliant", "rigid"] = "compliant"
@@ -86,7 +90,7 @@ class Muscle:
 
     @property
     def model_code(self) -> int:
-        """The model as the compiled functions know it."""
+        """The number of the model in the compiled functions."""
         return MODEL_CODES[self.model]
 
     @property
@@ -95,27 +99,27 @@ class Muscle:
 
     @property
     def mass(self) -> float:
-        """Mass (kg) of the fibers: density times volume, the cross section being force over specific tension."""
+        """Mass (kg) of the fibers: density * cross section * length, with cross section = force / specific tension."""
         return _DENSITY * self.max_isometric_force / self.specific_tension * self.optimal_fiber_length
 
     @property
     def fiber_width(self) -> float:
-        """Thickness that the fibers keep at every length: optimal fiber length times sine of the pennation angle."""
+        """Thickness (m) of the fibers, the same at every length: optimal fiber length * sin(pennation angle)."""
         return self.optimal_fiber_length * np.sin(self.pennation_angle)
 
     @property
     def minimum_fiber_length(self) -> float:
-        """Fiber length at which the pennation angle reaches acos(0.1); 0 for an unpennated muscle."""
+        """Fiber length (m) at which the pennation angle reaches acos(0.1); 0 for an unpennated muscle."""
         return self.fiber_width / np.sin(_STEEPEST)
 
     @property
     def passive_offset(self) -> float:
-        """What the passive force's exponential starts from."""
+        """The passive force over max_isometric_force is passive_scale * (exp(...) - passive_offset)."""
         return self._passive_constants[0]
 
     @property
     def passive_scale(self) -> float:
-        """Passive force over max_isometric_force, per unit of its exponential."""
+        """See `passive_offset`."""
         return self._passive_constants[1]
 
     @property
@@ -125,7 +129,7 @@ class Muscle:
 
 @dataclass(frozen=True, config=STRICT)
 class Capsule:
-    """A part of the arm as an obstacle meets it: everything within a radius of the line between two ends. Units: m."""
+    """A part of the arm's outline: all points within a radius of the straight line between two ends. Units: m."""
 
     name: Name
     radius: Positive
@@ -140,10 +144,10 @@ class Arm:
     skeleton: Path  # absolute
     gravity: tuple[Finite, Finite, Finite]  # m/s^2, in the world
     coordinates: Annotated[tuple[Name, ...], Field(min_length=1)]  # joints of the skeleton
-    load_frame: Name  # where loads hang
-    tip_frame: Name  # whose path is planned and drawn
+    load_frame: Name  # frame of the skeleton where loads hang
+    tip_frame: Name  # frame of the skeleton whose path is planned and drawn
     muscles: Annotated[tuple[Muscle, ...], Field(min_length=1)]
-    outline: tuple[Capsule, ...] = ()  # what plans keep clear of obstacles
+    outline: tuple[Capsule, ...] = ()  # the arm's surface, which plans keep away from obstacles
 
     @field_validator("muscles")
     @classmethod
@@ -152,7 +156,7 @@ class Arm:
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"muscle {name} is given twice: expected every name once")
-        coordinates = info.data.get("coordinates", ())  # missing where they are not valid themselves
+        coordinates = info.data.get("coordinates", ())  # missing if they are not valid
         for muscle in muscles:
             for term in muscle.path:
                 if term.coordinate not in coordinates:
@@ -168,13 +172,13 @@ class Arm:
 
     @cached_property
     def muscle_table(self) -> np.ndarray:
-        """The muscles' numbers as an array of records (n,), for the compiled functions."""
+        """The numbers of the muscles for the compiled functions: an array (n,) of records of `MUSCLE_DTYPE`."""
         rows = [tuple(getattr(m, field) for field in MUSCLE_DTYPE.names or ()) for m in self.muscles]
         return np.array(rows, dtype=MUSCLE_DTYPE)
 
     @cached_property
     def path_table(self) -> np.ndarray:
-        """The muscles' path functions, for the compiled functions."""
+        """The path functions of the muscles for the compiled functions, see `make_path_table`."""
         return make_path_table(
             [
                 (i, self.coordinates.index(term.coordinate), term.spline)

@@ -1,4 +1,4 @@
-"""Dataclasses of arrays as .npz files."""
+"""Saves dataclasses of arrays as .npz files and loads them."""
 
 from dataclasses import fields
 from pathlib import Path
@@ -17,12 +17,12 @@ def save_arrays(instance: Any, file: Path) -> None:
 
 
 def load_arrays(cls: type[T], file: Path) -> T:
-    """Reads what `save_arrays` wrote. Raises RunFolderError if the file is missing, damaged or of another kind."""
+    """Reads what `save_arrays` wrote. Raises RunFolderError if the file is missing, is damaged or lacks an array."""
     names = [f.name for f in fields(cls)]  # type: ignore[arg-type]
     try:
         with np.load(file) as arrays:
             return cls(**{name: arrays[name] for name in names})
     except (OSError, KeyError, ValueError) as error:
         raise RunFolderError(
-            f"{file} is no {cls.__name__.lower()}: expected an .npz with {', '.join(names)} ({error})."
+            f"{file} is not a {cls.__name__.lower()}: expected an .npz with {', '.join(names)} ({error})."
         ) from error

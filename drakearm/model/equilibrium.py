@@ -12,24 +12,24 @@ from drakearm.model.static_optimization import static_activations, steady_force
 from drakearm.model.torque_arm import MakeTorqueArm
 from drakearm.muscle.compiled import compiled
 
-_ITERATIONS = 20  # of Newton's method, which usually needs three
-_EXACT = 1e-10  # Nm
-_NEGLIGIBLE = 0.01  # Nm, what static optimization may lack where the muscles are strong enough
+_ITERATIONS = 20  # of Newton's method at most; it usually needs three
+_EXACT = 1e-10  # Nm, error of the torques
+_NEGLIGIBLE = 0.01  # Nm, reserve torque of static optimization up to which the muscles count as strong enough
 
 
 class Equilibrium(NamedTuple):
-    """An arm at rest that stays at rest. n muscles, n_q coordinates."""
+    """A state of the whole arm in which nothing moves. n muscles, n_q coordinates."""
 
     q: np.ndarray  # (n_q,) rad
     excitation: np.ndarray  # (n,)
     activation: np.ndarray  # (n,), equal to the excitation
     fiber_length: np.ndarray  # (n,) m
-    torque: np.ndarray  # (n_q,) Nm, what the muscles exert against gravity
+    torque: np.ndarray  # (n_q,) Nm, of the muscles on the joints, against gravity
 
 
 @compiled
 def _forces_at_rest(activation, length, muscles):
-    """Tendon forces (n,), N, of resting muscles with path lengths (n,), m, and their slopes by activation."""
+    """Tendon forces (n,), N, of resting muscles, and their slopes with respect to activation. length (n,): paths, m."""
     force, slope = np.empty(len(muscles)), np.empty(len(muscles))
     for i in range(len(muscles)):
         m = muscles[i]
@@ -40,8 +40,8 @@ def _forces_at_rest(activation, length, muscles):
 def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilibrium:
     """The smallest excitations with which the muscles hold joint angles q (n_q,), rad, with load_mass (kg) in the hand.
 
-    Static optimization (`static_activations`) finds them, and Newton's method makes the torques exact. Raises
-    EquilibriumError where the muscles are too weak, and StateError for q of another size.
+    Static optimization (`static_activations`) finds them, then Newton's method makes the torques exact. Raises
+    EquilibriumError if the muscles are too weak, and StateError if q has another size or is not finite.
     """
     q = np.asarray(q, dtype=float)
     n, n_q = len(arm.muscles), len(arm.coordinates)
@@ -56,7 +56,7 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
         j = int(np.abs(reserve).argmax())
         raise EquilibriumError(
             f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: the "
-            f"{arm.coordinates[j]} lacks {abs(reserve[j]):.3g} of {abs(torque[j]):.3g} Nm."
+            f"{arm.coordinates[j]} lacks {abs(reserve[j]):.3g} Nm of the {abs(torque[j]):.3g} Nm that it needs."
         )
     lowest = muscles["minimum_activation"]
     length, moment_arm = muscle_geometry(q, muscles, paths)

@@ -1,4 +1,4 @@
-"""Feedback on the tracking error: the law with which static optimization follows a reference."""
+"""Feedback on the tracking error: it gives the accelerations that static optimization tries to exert."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Feedback(NamedTuple):
-    """The accelerations of the reference, corrected by the tracking error (Thelen, Anderson and Delp 2003, eq. 1)."""
+    """Adds feedback of the tracking error to the reference's accelerations (Thelen, Anderson and Delp 2003, eq. 1)."""
 
     stiffness: float  # 1/s^2, of the position error
     damping: float  # 1/s, of the speed error

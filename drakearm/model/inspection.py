@@ -1,4 +1,4 @@
-"""The numbers that a biomechanist looks at first: lengths, moment arms, working ranges and curves of every muscle."""
+"""The numbers by which a biomechanist checks an arm: lengths, moment arms, working ranges and curves of each muscle."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,9 @@ from drakearm.model.skeleton import add_skeleton
 from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length
 
-_SAMPLES = 181  # of a range of angles or path lengths
+_SAMPLES = 181  # in a range of angles or path lengths
 _CURVE_SAMPLES = 121
-_PRECISION = 1e-7  # m
+_PRECISION = 1e-7  # m, of the shortest path
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,10 @@ class Interval:
 
 @dataclass(frozen=True)
 class Crossing:
-    """A muscle over the range of one joint that it crosses. Arrays (k,), one value for each angle in q.
+    """A muscle over the range of one joint that it crosses. Arrays (k,) have one value for each angle in q.
 
-    shortest and longest: over all angles of the other joints. The path function was fitted over `fitted`; outside it
-    continues along its tangents.
+    shortest, longest: extremes of the musculotendon length over all angles of the other joints. fitted: the angles for
+    which the path function was fitted; outside them it continues along its tangents.
     """
 
     coordinate: str
@@ -47,11 +47,11 @@ class Crossing:
 
 @dataclass(frozen=True)
 class WorkingRange:
-    """Where a resting muscle is in equilibrium over all joint angles, at an activation of RESTING_ACTIVATION.
+    """The range of a muscle's equilibria over all joint angles, at rest and at an activation of RESTING_ACTIVATION.
 
-    fiber_length and tendon_strain are None where the muscle has no equilibrium at all. shortest_path: musculotendon
-    length (m) below which there is no equilibrium, for even the shortest fiber leaves the tendon slack. slack: the
-    angles (rad) of each coordinate at which this can happen; empty where there is an equilibrium everywhere.
+    fiber_length and tendon_strain are None if the muscle has no equilibrium at any joint angles. shortest_path: below
+    this musculotendon length (m) there is no equilibrium, because even the shortest fiber leaves the tendon slack.
+    slack: the angles (rad) of each coordinate at which this can happen; empty if there is always an equilibrium.
     """
 
     fiber_length: Interval | None  # over optimal_fiber_length
@@ -84,7 +84,7 @@ class MuscleInspection:
 
 @dataclass(frozen=True)
 class Inspection:
-    """All muscles of an arm. neutral: angles (rad) at which joints stay while another one moves."""
+    """All muscles of an arm. neutral: the angles (rad) of the other joints while one joint moves."""
 
     arm: Arm
     ranges: dict[str, Interval]  # rad, of the joints
@@ -93,10 +93,10 @@ class Inspection:
 
 
 def inspect_arm(arm: Arm) -> Inspection:
-    """Looks at every muscle over the joint ranges of the skeleton.
+    """Inspects every muscle over the joint ranges of the skeleton.
 
-    A joint without limits counts as one full turn. Joints are neutral at 0, or at the limit nearest to it. Raises
-    ArmError where skeleton and muscles do not fit.
+    The range of a joint without limits is one full turn, [-pi, pi]. The neutral angle of a joint is 0, or the limit
+    that is nearest to 0. Raises ArmError if the skeleton does not have the joints or frames that the arm names.
     """
     ranges = joint_ranges(arm)
     neutral = {name: min(max(0.0, r.lower), r.upper) for name, r in ranges.items()}
@@ -120,10 +120,10 @@ def joint_ranges(arm: Arm) -> dict[str, Interval]:
 
 
 def _crossings(arm: Arm, ranges: dict[str, Interval], neutral: np.ndarray) -> list[tuple[Crossing, ...]]:
-    """What every muscle crosses.
+    """The crossings of every muscle.
 
-    A musculotendon length is a sum of one function per coordinate, so sweeping the joints one by one is enough to know
-    it everywhere.
+    A musculotendon length is a sum of one function per coordinate. So it is known for all joint angles if each joint is
+    moved alone.
     """
     q = np.array([np.linspace(r.lower, r.upper, _SAMPLES) for r in ranges.values()])
     length = np.empty((len(arm.muscles), *q.shape))
@@ -161,7 +161,7 @@ def _crossings(arm: Arm, ranges: dict[str, Interval], neutral: np.ndarray) -> li
 
 
 def _working_range(m: np.void, crossings: tuple[Crossing, ...]) -> WorkingRange:
-    """m: the muscle's record. Equilibrium depends on the joints only through the musculotendon length."""
+    """m: the muscle's record. The equilibrium depends on the joint angles only through the musculotendon length."""
     path = _interval(np.array([crossings[0].shortest, crossings[0].longest]))
     shortest = _shortest_path(m, path)
     slack = {c.coordinate: _interval(c.q[c.shortest < shortest]) for c in crossings if np.any(c.shortest < shortest)}
@@ -179,7 +179,7 @@ def _working_range(m: np.void, crossings: tuple[Crossing, ...]) -> WorkingRange:
 
 
 def _shortest_path(m: np.void, path: Interval) -> float:
-    """The smallest musculotendon length in `path` with an equilibrium, by bisection; infinite where there is none."""
+    """The smallest musculotendon length in `path` with an equilibrium, by bisection; infinite if there is none."""
 
     def exists(length: float) -> bool:
         return not np.isnan(equilibrium_fiber_length(RESTING_ACTIVATION, length, m))

@@ -1,23 +1,23 @@
-"""The torque of joint stops, compiled: every simulation of the arm shares it."""
+"""The torque of joint stops, which keep joints in their range, as compiled functions."""
 
 import numpy as np
 
 from drakearm.muscle.compiled import compiled, inner
 
-STOP_STIFFNESS = 5000.0  # Nm/rad, unless a user chooses otherwise
-STOP_DAMPING = 10.0  # Nm s/rad
-SOFTENING = 0.02  # rad, penetration over which the damper comes in
-HARDENING = 0.15  # rad, penetration at which the spring pulls twice as hard as a linear one
+STOP_STIFFNESS = 5000.0  # Nm/rad, default
+STOP_DAMPING = 10.0  # Nm s/rad, default
+SOFTENING = 0.02  # rad, penetration from which on the damper acts fully
+HARDENING = 0.15  # rad, penetration at which the torque of the spring is twice that of a linear spring
 
 
 @inner
 def joint_stop_torque(q, v, lower, upper, stiffness, damping):
     """Torque (Nm) that pushes a joint at angle q and speed v back into [lower, upper].
 
-    Beyond a limit by d, a hardening spring and a damper resist: max(stiffness d (1 + (d / HARDENING)^2) + damping
-    min(d / SOFTENING, 1) outward speed, 0). Stiff enough for a light arm, the spring would give way under a heavy load
-    if it did not harden. Inside the range the torque is 0. A stop never pulls outward, and never returns more energy
-    than its spring has taken up. It also runs uncompiled (py_func), with AutoDiffXd.
+    At a distance d beyond a limit, a hardening spring and a damper resist: max(stiffness d (1 + (d / HARDENING)^2) +
+    damping min(d / SOFTENING, 1) outward speed, 0). Without hardening, a spring that is stiff enough for a light arm
+    would yield too far under a heavy load. Inside the range the torque is 0. A stop never pulls outward, and never
+    returns more energy than its spring has stored. The uncompiled function (py_func) also takes AutoDiffXd.
     """
     if lower <= q <= upper:
         return 0.0
@@ -29,7 +29,7 @@ def joint_stop_torque(q, v, lower, upper, stiffness, damping):
 
 @compiled
 def stop_torque(q, v, lower, upper, stiffness, damping):
-    """`joint_stop_torque` of every joint; all arrays (n_q,)."""
+    """`joint_stop_torque` of every joint. q, v, lower, upper and the result: (n_q,)."""
     tau = np.empty(len(q))
     for i in range(len(q)):
         tau[i] = joint_stop_torque(q[i], v[i], lower[i], upper[i], stiffness, damping)
@@ -38,7 +38,10 @@ def stop_torque(q, v, lower, upper, stiffness, damping):
 
 @compiled
 def held_stop_torque(tau, arm_state, time_step, lower, upper, stiffness, damping):
-    """Writes the torques (n_q,) to hold for a time step: those of the joint state expected at its middle."""
+    """Writes into tau (n_q,) the torques to hold during a time step: those at the joint state expected at its middle.
+
+    arm_state: q and v, (2 n_q,), at the start of the step.
+    """
     n_q = len(tau)
     for i in range(n_q):
         v = arm_state[n_q + i]

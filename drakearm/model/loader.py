@@ -13,10 +13,10 @@ _SHIPPED = Path(__file__).parent
 
 
 def load_arm(arm: str | Path = "arm14") -> Arm:
-    """The arm of a name that drakearm ships ("arm14"), or of a folder with a muscles.yaml of the same form.
+    """Loads an arm that drakearm ships, by its name ("arm14"), or from a folder with a muscles.yaml of the same form.
 
-    Raises ArmError, naming file and field, for a missing file, a missing or unknown field, a value out of range, a
-    muscle given twice, or a path over a coordinate that the arm does not have.
+    Raises ArmError, which names file and field, for a missing file, a missing or unknown field, a value out of range, a
+    muscle given twice, or a path that depends on a coordinate that the arm does not have.
     """
     shipped = {path.parent.name: path.parent for path in _SHIPPED.glob("*/muscles.yaml")}
     folder = shipped.get(str(arm), Path(arm))
@@ -48,7 +48,7 @@ def _read(file: Path) -> dict[str, Any]:
 
 
 def _merge_defaults(fields: dict[str, Any], file: Path) -> dict[str, Any]:
-    """Fills what a muscle leaves out from the section `defaults`."""
+    """Gives each muscle the values of the section `defaults` for the fields that it does not have."""
     defaults = fields.pop("defaults", {}) or {}
     muscles = fields.get("muscles")
     if not isinstance(defaults, dict):
@@ -59,7 +59,7 @@ def _merge_defaults(fields: dict[str, Any], file: Path) -> dict[str, Any]:
 
 
 def _describe(error: ValidationError, file: Path, fields: dict[str, Any]) -> str:
-    """One sentence a problem: where it is (muscles by name), what is wrong, what was expected."""
+    """One sentence per problem: where it is (with the muscle's name), what is wrong, what was expected."""
     lines = []
     for problem in error.errors():
         where: list[str] = []
@@ -67,7 +67,7 @@ def _describe(error: ValidationError, file: Path, fields: dict[str, Any]) -> str
         for key in problem["loc"]:
             try:
                 value = value[key]
-            except (KeyError, IndexError, TypeError):  # the field that is missing
+            except (KeyError, IndexError, TypeError):  # this is the missing field
                 value = None
             named = isinstance(key, int) and isinstance(value, dict) and "name" in value
             where.append(str(value["name"] if named else key))

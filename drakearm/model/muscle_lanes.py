@@ -1,6 +1,10 @@
-"""The muscles of many arms, stepped side by side: loops over the lanes that the compiler can vectorize.
+"""The time step of the muscles of many arms, simulated side by side, one arm per lane.
 
-Same muscles, same equations and same tables as `musculature.muscle_step`, which steps those of one arm; see there.
+The equations and tables are those of `musculature.muscle_step`, which steps the muscles of one arm and documents the
+method. tests/model/test_muscle_lanes.py compares the two. All arms have the same muscles. The outer loops go over the
+muscles, the inner ones over the lanes, which the compiler turns into vector instructions: `drakearm.muscle.compiled`
+explains lanes and the rules for such code. The code is compiled separately for each kind of muscle, because a choice
+inside a loop over lanes would prevent vector instructions.
 """
 
 from typing import NamedTuple
@@ -23,11 +27,11 @@ from drakearm.muscle.parameters import muscle_parameters
 
 
 class MuscleKinds(NamedTuple):
-    """The indices of the muscles of each kind. None where there are none: nothing is compiled for that kind then."""
+    """The indices of the muscles of each kind. A kind without muscles is None: no code is compiled for it."""
 
-    thelen2003: np.ndarray | None  # of this model, on compliant tendons
-    degroote2016: np.ndarray | None
-    rigid: np.ndarray | None  # on rigid tendons, of any model
+    thelen2003: np.ndarray | None  # this model, compliant tendon
+    degroote2016: np.ndarray | None  # this model, compliant tendon
+    rigid: np.ndarray | None  # any model, rigid tendon
 
 
 def muscle_kinds(muscles: np.ndarray) -> MuscleKinds:
@@ -38,24 +42,24 @@ def muscle_kinds(muscles: np.ndarray) -> MuscleKinds:
 
 
 class MuscleLanes(NamedTuple):
-    """Working memory of `step_muscle_lanes`. "Later" is at the end of the time step."""
+    """Working memory of `step_muscle_lanes`. "later" means: at the end of the time step."""
 
     pieces: PathPieces
-    length: np.ndarray  # (n, lanes), of the musculotendon paths
-    slope: np.ndarray  # (terms, lanes), of the path functions
-    speed: np.ndarray  # (n, lanes), of the musculotendon paths, where tendons are rigid
-    force: np.ndarray  # (n, lanes), of the tendons
+    length: np.ndarray  # (n, lanes) m, of the musculotendon paths
+    slope: np.ndarray  # (terms, lanes) m/rad, of the path functions
+    speed: np.ndarray  # (n, lanes) m/s, of the musculotendon paths; computed only if a muscle has a rigid tendon
+    force: np.ndarray  # (n, lanes) N, of the tendons
     later_pieces: PathPieces
     later_length: np.ndarray
     later_slope: np.ndarray
     later_speed: np.ndarray
     later_force: np.ndarray
-    later_q: np.ndarray  # (n_q, lanes)
-    fiber: np.ndarray  # (lanes,), later lengths of the fibers of one muscle
+    later_q: np.ndarray  # (n_q, lanes) rad
+    fiber: np.ndarray  # (lanes,) m, later fiber length of one muscle
 
 
 def make_muscle_lanes(n: int, paths: np.ndarray, n_q: int, lanes: int) -> MuscleLanes:
-    """Working memory for `lanes` arms with the same n muscles."""
+    """Working memory for `lanes` arms with n muscles and n_q coordinates each. paths: `Arm.path_table`."""
     terms = count_terms(paths)
     return MuscleLanes(
         make_path_pieces(paths, lanes),
@@ -75,7 +79,7 @@ def make_muscle_lanes(n: int, paths: np.ndarray, n_q: int, lanes: int) -> Muscle
 
 @inlined
 def _step_compliant(state, excitation, i, n, time_step, work, m):
-    """Advances muscle i, on a compliant tendon, in every lane."""
+    """Advances muscle i, which has a compliant tendon, in every lane, and writes its tendon forces into `work`."""
     length, force, later_length, later_force = work.length, work.force, work.later_length, work.later_force
     fiber = work.fiber
     for k in range(len(fiber)):
@@ -93,7 +97,7 @@ def _step_compliant(state, excitation, i, n, time_step, work, m):
 
 @inlined
 def _step_rigid(state, excitation, i, n, time_step, work, m):
-    """Advances muscle i, on a rigid tendon, in every lane."""
+    """Advances muscle i, which has a rigid tendon, in every lane, and writes its tendon forces into `work`."""
     length, speed, force = work.length, work.speed, work.force
     later_length, later_speed, later_force = work.later_length, work.later_speed, work.later_force
     for k in range(len(work.fiber)):
@@ -109,10 +113,11 @@ def _step_rigid(state, excitation, i, n, time_step, work, m):
 def step_muscle_lanes(
     state, tau, excitation, arm_state, time_step, muscles, paths, thelen2003, degroote2016, rigid, work
 ):
-    """`muscle_step` for arms side by side: every array has a second index, the lane.
+    """`musculature.muscle_step` for several arms: every array has the lane as a second index.
 
-    thelen2003, degroote2016, rigid: the fields of `MuscleKinds`, one by one, because Numba leaves out the code of an
-    argument that is None, but not that of a field. work: for this number of lanes.
+    state: (4 n, lanes). tau: (n_q, lanes). excitation: (n, lanes). arm_state: (2 n_q, lanes). thelen2003, degroote2016,
+    rigid: the fields of `MuscleKinds`. They are separate arguments because Numba leaves out the code for an argument
+    that is None, but not the code for a field that is None. work: see `make_muscle_lanes`.
     """
     n, (n_q, lanes) = len(muscles), tau.shape
     for j in range(n_q):
@@ -148,7 +153,7 @@ def step_muscle_lanes(
 
 @inner
 def _path_speeds(arm_state, paths, slope, speed):
-    """Writes the rates of change (n, lanes) of the musculotendon lengths."""
+    """Writes the rates of change (n, lanes), m/s, of the musculotendon lengths into `speed`."""
     speed[:] = 0.0
     n_q, lanes = arm_state.shape[0] // 2, arm_state.shape[1]
     header = term = 0

@@ -1,7 +1,10 @@
-"""All muscles of an arm at once: the compiled functions that every simulation of the muscles shares.
+"""All muscles of one arm: forces, rates, steps in time and states of rest, as compiled functions.
 
 `muscles` is `Arm.muscle_table` and `paths` is `Arm.path_table`; n muscles, n_q coordinates. arm_state: q and v, (2
 n_q,). fibers: activations, then fiber lengths, (2 n,). Units: m, N, Nm, s, rad, W.
+
+Drake's Systems use these functions. `drakearm.model.muscle_lanes` has the same time step for many arms side by side;
+`drakearm.muscle.compiled` explains why both exist.
 """
 
 import math
@@ -24,12 +27,12 @@ from drakearm.muscle.contraction import (
 from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabolic_power
 from drakearm.muscle.parameters import muscle_parameters
 
-RESTING_ACTIVATION = 0.05  # of a muscle that a user has not set
+RESTING_ACTIVATION = 0.05  # of a muscle for which the user gives no activation
 
 
 @compiled
 def muscle_geometry(q, muscles, paths):
-    """Musculotendon lengths (n,) and moment arms (n, n_q)."""
+    """Musculotendon lengths (n,) and moment arms (n, n_q), both in m, at joint angles q (n_q,)."""
     length = np.empty(len(muscles))
     moment_arm = np.empty((len(muscles), len(q)))
     evaluate_paths(q, paths, length, moment_arm)
@@ -47,7 +50,7 @@ def mtu_velocity(i, moment_arm, v):
 
 @inner
 def muscle_force(activation, fiber_length, mtu_length, mtu_speed, m):
-    """Tendon force (N) of a muscle with either kind of tendon."""
+    """Tendon force (N) of a muscle with a compliant or a rigid tendon."""
     if m.rigid_tendon:
         return rigid_tendon_force(activation, mtu_length, mtu_speed, m)[0]
     return tendon_force(fiber_length, mtu_length, m)[0]
@@ -97,15 +100,16 @@ def muscle_rates(fibers, excitation, arm_state, muscles, paths):
 
 @compiled
 def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
-    """Advances the muscles' state in place by one time step and writes the generalized force to hold meanwhile.
+    """Advances the muscles' state in place by one time step, and writes the generalized force to hold during the step.
 
-    Returns whether all excitations are finite; where they are not, the step has no meaning.
+    Returns whether all excitations are finite; if not, the result is meaningless.
 
-    state: activation, fiber length, fiber length one step earlier, fiber velocity, each (n,) one after the other.
-    tau: (n_q,). arm_state: at the start of the step. Joints are extrapolated to the end of the step at their present
-    speed; the held force is the mean of the forces at both ends. Activation, fiber and held force are all of second
-    order in the time step; where a tendon is rigid, the held force is of first order, for its damping lags by half a
-    step.
+    state: activation, fiber length, fiber length one step earlier, fiber velocity, each (n,), one after the other.
+    tau (n_q,): the generalized force. arm_state: at the start of the step.
+
+    The joint angles at the end of the step are extrapolated with the present speeds. The held force is the mean of the
+    forces at the start and at the end. Activation, fiber length and held force are of second order in the time step.
+    With a rigid tendon the held force is of first order only, because its damping lags by half a step.
     """
     n, n_q = len(muscles), len(tau)
     q, v = arm_state[:n_q], arm_state[n_q:]
@@ -138,9 +142,9 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
 
 @compiled
 def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
-    """What users ask for: active and passive force, fiber and tendon power, metabolic power, a row (n,) each.
+    """Further outputs (5, n): active force, passive force, fiber power, tendon power, metabolic power of each muscle.
 
-    velocity: of the fibers, (n,), m/s. Forces act along the fiber.
+    velocity: of the fibers, (n,), m/s. The two forces act along the fiber.
     """
     n, n_q = len(muscles), len(arm_state) // 2
     length, moment_arm = muscle_geometry(arm_state[:n_q], muscles, paths)
@@ -161,7 +165,7 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
 
 @compiled
 def _equilibrium(activation, q, muscles, paths, pieces, length, slope):
-    """Writes the fiber lengths (n, N) of N postures q (n_q, N) into `length`; activation: (N, n)."""
+    """Writes the fiber lengths in equilibrium (n, N) at N postures q (n_q, N) into `length`. activation: (N, n)."""
     evaluate_path_lanes(q, paths, pieces, length, slope)
     for i in range(len(muscles)):
         m = muscle_parameters(muscles[i], muscles[i].model_code)
@@ -170,7 +174,7 @@ def _equilibrium(activation, q, muscles, paths, pieces, length, slope):
 
 
 def require_state(what: str, values: np.ndarray, shape: tuple[int, ...]) -> None:
-    """Raises StateError unless values have a shape and are finite."""
+    """Raises StateError unless the values have this shape and are finite. what: their name in the message."""
     if np.shape(values) != shape or not np.isfinite(values).all():
         found = np.array2string(np.asarray(values), threshold=20)
         raise StateError(f"The {what} are {found}: expected {' x '.join(map(str, shape))} finite numbers.")
@@ -179,7 +183,7 @@ def require_state(what: str, values: np.ndarray, shape: tuple[int, ...]) -> None
 def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -> np.ndarray:
     """Fiber lengths (N, n) of resting muscles at joint angles q (N, n_q), rad, and activations (n,) or (N, n).
 
-    Fibers on compliant tendons carry there what their tendons pull. Raises EquilibriumError, naming the muscles, where
+    A fiber and its compliant tendon then exert the same force. Raises EquilibriumError, which names the muscles, where
     even the shortest fiber leaves the tendon slack.
     """
     muscles, paths, count = arm.muscle_table, arm.path_table, len(q)
@@ -198,10 +202,10 @@ def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -
 
 
 def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> np.ndarray:
-    """The states (N, 4 n) of `muscle_step` for the muscles of N arms at rest, at joint angles q (N, n_q).
+    """The states (N, 4 n), as in `muscle_step`, of the muscles of N arms at rest at joint angles q (N, n_q).
 
-    activation: one for all muscles, (n,), or (N, n). Raises EquilibriumError where a muscle has no equilibrium, and
-    StateError for another size or numbers that are not finite.
+    activation: one number for all muscles, (n,), or (N, n). Raises EquilibriumError if a muscle has no equilibrium, and
+    StateError for arrays of another size or numbers that are not finite.
     """
     n, n_q = len(arm.muscles), len(arm.coordinates)
     require_state("joint angles", q, (len(q), n_q))
@@ -213,7 +217,7 @@ def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> n
 
 
 def resting_state(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same of one arm at joint angles q (n_q,): its state, and the generalized force (n_q,) that it exerts."""
+    """`resting_states` of one arm at joint angles q (n_q,): state (4 n,), and the generalized force (n_q,), Nm."""
     require_state("joint angles", q, (len(arm.coordinates),))
     state = resting_states(arm, q[None, :], activation)[0]
     fibers, arm_state = state[: 2 * len(arm.muscles)], np.concatenate([q, np.zeros_like(q)])

@@ -1,8 +1,11 @@
 """Path functions: musculotendon lengths and moment arms as functions of the joint angles.
 
-The length of a muscle is a sum of one-dimensional splines, one for each coordinate that it crosses. Outside its knots a
-spline continues along its tangent. A moment arm is minus the derivative of the same function, so the two never
-disagree.
+The length of a muscle is a sum of terms: one spline for each coordinate that the muscle crosses. Outside its knots a
+spline continues along its tangent. A moment arm is minus the derivative of the same spline, so lengths and moment arms
+always agree.
+
+`evaluate_paths` computes one posture. `evaluate_path_lanes` computes many, one per lane, and remembers which piece of a
+spline each lane is in. tests/model/test_paths.py compares the two. `drakearm.muscle.compiled` explains lanes.
 """
 
 import math
@@ -13,16 +16,20 @@ from scipy.interpolate import BSpline
 
 from drakearm.muscle.compiled import fma, inlined, inner
 
-_LEAST_ORDER = 4  # coefficients of a piece: room for those of a cubic spline, and for the four numbers of a header
+_LEAST_ORDER = 4  # coefficients per piece, at least: those of a cubic spline, and the four numbers of a header fit in
 
 
 def make_path_table(terms: list[tuple[int, int, BSpline]]) -> np.ndarray:
-    """The splines of (muscle, coordinate, spline) terms as polynomial pieces, for the compiled functions.
+    """The terms (muscle, coordinate, spline) as a table of polynomial pieces, for the compiled functions.
 
-    A term begins with a header row: muscle, coordinate, number of knots, and 1 if coordinate and knots are those of the
-    term before. A row for each knot follows: the knot (rad), and the coefficients c_j (m) of the piece that begins
-    there, sum_j c_j (q - knot)^j. Spline degrees may differ. It is one array because each further argument would cost a
-    call from Python as much as ten splines.
+    The table has these rows for each term, one term after the other:
+
+    - a header: muscle, coordinate, number of knots; and 1 if the previous term has the same coordinate and knots, or 0;
+    - one row per knot: the knot (rad), and the coefficients c_j (m) of the polynomial sum_j c_j (q - knot)^j that holds
+      from this knot to the next.
+
+    Splines may have different degrees. All terms are in one array because each additional argument of a call from
+    Python takes as much time as ten splines.
     """
     order = max([_LEAST_ORDER] + [spline.k + 1 for _, _, spline in terms])
     rows = [np.zeros((0, 1 + order))]
@@ -53,17 +60,17 @@ def count_terms(paths: np.ndarray) -> int:
 
 
 class PathPieces(NamedTuple):
-    """The piece of each term that each lane is in. Lanes change pieces rarely, so this is kept between evaluations."""
+    """The piece of each term that each lane is in. It is kept between calls, because lanes rarely change pieces."""
 
-    found: np.ndarray  # (lanes,), scratch: the piece that a lane has just come to, or -1
-    start: np.ndarray  # (terms, lanes), rad: the piece reaches from here, -inf for the first one
-    stop: np.ndarray  # (terms, lanes), rad: to here, inf for the last one
-    knot: np.ndarray  # (terms, lanes), rad: where it begins
+    found: np.ndarray  # (lanes,), scratch: the piece that a lane has just entered, or -1 if it has stayed
+    start: np.ndarray  # (terms, lanes), rad: the piece is used from this angle; -inf for the first piece
+    stop: np.ndarray  # (terms, lanes), rad: to this angle; inf for the last piece
+    knot: np.ndarray  # (terms, lanes), rad: the knot at which the piece begins
     coefficients: np.ndarray  # (order, terms, lanes)
 
 
 def make_path_pieces(paths: np.ndarray, lanes: int) -> PathPieces:
-    """PathPieces in which no lane has found its piece."""
+    """PathPieces for a number of lanes, none of which has found its piece yet."""
     terms, order = count_terms(paths), paths.shape[1] - 1
     return PathPieces(
         np.empty(lanes, np.int64),
@@ -76,7 +83,10 @@ def make_path_pieces(paths: np.ndarray, lanes: int) -> PathPieces:
 
 @inlined
 def _follow_pieces(q, j, paths, first, last, found, start, stop, knot, term):
-    """Brings lanes that left their pieces to those at q[j]; first, last: rows of the knots. Whether there were any."""
+    """Finds the pieces at q[j] of the lanes that have left theirs, and returns whether there were such lanes.
+
+    first, last: rows of the term's first and last knot in `paths`.
+    """
     left = 0
     for k in range(len(found)):
         left += not (start[term, k] <= q[j, k] < stop[term, k])
@@ -97,15 +107,16 @@ def _follow_pieces(q, j, paths, first, last, found, start, stop, knot, term):
 
 @inner
 def evaluate_path_lanes(q, paths, pieces, length, slope):
-    """Writes lengths (n, lanes), m, and the slopes (terms, lanes), m/rad, of each term, at joint angles q (n_q, lanes).
+    """Writes lengths (n, lanes), m, and the slope of each term (terms, lanes), m/rad, at joint angles q (n_q, lanes).
 
-    pieces: see `make_path_pieces`. A term's slope is its share of a moment arm, but for the sign.
+    pieces: see `make_path_pieces`. A moment arm is minus the slope of a term. Consecutive terms with the same
+    coordinate and knots form a group: their lanes are in the same pieces, which are found only once.
     """
     found, start, stop, knot, c = pieces
     lanes, order = len(found), len(c)
     length[:] = 0.0
     header = 0
-    term = group = np.int64(0)  # not a literal, for which Numba would compile `_follow_pieces` once more
+    term = group = np.int64(0)  # for a plain 0 Numba would compile `_follow_pieces` a second time
     moved = False
     while header < len(paths):
         i, j = int(paths[header, 0]), int(paths[header, 1])
@@ -144,7 +155,7 @@ def evaluate_path_lanes(q, paths, pieces, length, slope):
 
 @inner
 def _evaluate_term(q, rows):
-    """Value, first and second derivative at q of the spline with these knots and pieces."""
+    """Value, first and second derivative at q of one spline. rows: those of its knots in the path table."""
     last = len(rows) - 2
     x = min(max(q, rows[0, 0]), rows[last + 1, 0])
     piece = 0
@@ -177,7 +188,7 @@ def evaluate_paths(q, paths, length, moment_arm):
 
 @inner
 def evaluate_path_curvatures(q, paths, curvature):
-    """Writes the second derivatives (n, n_q) of the lengths (m/rad^2); mixed ones vanish, as lengths are sums."""
+    """Writes the second derivatives (n, n_q) of the lengths, m/rad^2. Mixed ones are 0, because lengths are sums."""
     curvature[:] = 0.0
     header = 0
     while header < len(paths):

@@ -1,4 +1,4 @@
-"""A recording: what the arm did during one closed-loop run, sampled at the control steps."""
+"""A recording: the motion of an arm and its muscles in one closed-loop run, sampled at the control steps."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +10,10 @@ from drakearm.model.arrays import load_arrays, save_arrays
 
 @dataclass(frozen=True)
 class Recording:
-    """Times t (N,) and at each of them, in SI and radians, n muscles and n_q joints: what the field names say.
+    """Samples at times t (N,), in SI units and radians, of n_q joints and n muscles.
 
     q, v, reference_q, reference_v: (N, n_q). excitation, activation, fiber_length, fiber_velocity, tendon_force: (N,
-    n). reward: (N,). The excitation at a time is the one that was held until then, in the control step that ends there.
+    n). reward: (N,). The excitation of a sample was held during the control step that ends at the time of the sample.
     """
 
     t: np.ndarray
@@ -29,7 +29,7 @@ class Recording:
     reward: np.ndarray
 
     def save(self, file: Path) -> None:
-        """Writes an .npz with one array a field."""
+        """Writes an .npz with one array per field."""
         save_arrays(self, file)
 
     @classmethod

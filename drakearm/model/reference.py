@@ -1,4 +1,4 @@
-"""A reference movement: what the joints should do, sampled at the control steps."""
+"""A reference movement: the desired motion of the joints, sampled at the control steps."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,12 +8,12 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from drakearm.model.arrays import load_arrays, save_arrays
 
-CONTROL_STEP = 0.01  # s, between two samples and between two decisions of a controller
+CONTROL_STEP = 0.01  # s, between two samples of a reference, and between two decisions of a controller
 
 
 @dataclass(frozen=True)
 class Reference:
-    """Joint angles q, speeds v, accelerations a and torques tau, each (N, n_q), at times t (N,); SI."""
+    """Joint angles q, speeds v, accelerations a and torques tau, each (N, n_q), at times t (N,), in SI and radians."""
 
     t: np.ndarray
     q: np.ndarray
@@ -23,6 +23,7 @@ class Reference:
 
     @property
     def duration(self) -> float:
+        """s, the time of the last sample."""
         return float(self.t[-1])
 
     def trajectory(self) -> PiecewisePolynomial:
@@ -30,12 +31,15 @@ class Reference:
         return PiecewisePolynomial.CubicHermite(self.t, self.q.T, self.v.T)
 
     def preview(self, lookahead: tuple[int, ...] = (0,)) -> np.ndarray:
-        """Samples (N, 2 n_q len(lookahead)): q at every lookahead (in control steps), then v; at rest after the end."""
+        """What lies ahead of each sample: q, then v, at every lookahead (in control steps); (N, 2 n_q len(lookahead)).
+
+        A lookahead beyond the end gives the last sample.
+        """
         at = np.minimum(np.arange(len(self.t))[:, None] + np.array(lookahead), len(self.t) - 1)
         return np.hstack([self.q[at].reshape(len(at), -1), self.v[at].reshape(len(at), -1)])
 
     def preview_trajectory(self, lookahead: tuple[int, ...] = (0,)) -> PiecewisePolynomial:
-        """The q half of `preview` as a trajectory; its first derivative is the v half."""
+        """The first half of `preview` (q) as a trajectory over time; its first derivative is the second half (v)."""
         samples = self.preview(lookahead)
         half = samples.shape[1] // 2
         return PiecewisePolynomial.CubicHermite(self.t, samples[:, :half].T, samples[:, half:].T)
@@ -51,9 +55,9 @@ class Reference:
 
 
 def sample_ranges(lengths: np.ndarray, task_of_arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of each arm's first and last sample, (N,), where the samples of several references follow each other.
+    """First and last row (N,) of each arm's reference, in an array of all references, one below the other.
 
-    lengths: numbers of samples of the references. task_of_arm: the index of each arm's reference, (N,).
+    lengths: number of samples of each reference. task_of_arm (N,): index of each arm's reference.
     """
     last = np.cumsum(lengths)[task_of_arm] - 1
     return last - lengths[task_of_arm] + 1, last

@@ -1,4 +1,4 @@
-"""Static optimization: the smallest activations with which muscles exert given joint torques (Anderson and Pandy 2001).
+"""Static optimization: the smallest activations that make muscles exert given joint torques (Anderson and Pandy 2001).
 
 `muscles` is `Arm.muscle_table` and `paths` is `Arm.path_table`; n muscles, n_q coordinates.
 """
@@ -20,22 +20,24 @@ from drakearm.muscle.contraction import (
     tendon_force,
 )
 
-RESERVE_WEIGHT = 1e4  # 1/(Nm)^2, of squared reserve torques against squared activations
-_ROUNDS = 20  # of linearizing the muscles
-_SETTLED = 1e-4  # change of the activations in the last round; what remains is about its square
-_GUESSED_STRAIN = 0.02  # of tendons, where the search for fiber lengths begins
+RESERVE_WEIGHT = 1e4  # 1/(Nm)^2, of squared reserve torques, where squared activations have weight 1
+_ROUNDS = 20  # at most; each linearizes the muscles once
+_SETTLED = 1e-4  # change of the activations in the last round; the remaining error is about its square
+_GUESSED_STRAIN = 0.02  # of tendons, for the first guess of the fiber lengths
 _DUAL_STEPS = 50
 _DUAL_TOLERANCE = 1e-7  # Nm
 
 
 @inner
 def steady_force(activation, mtu_length, mtu_speed, guess, m):
-    """Tendon force (N) of a muscle whose tendon keeps its present strain, its slope by activation, the fiber length.
+    """Tendon force (N) of a muscle whose tendon strain is constant in time.
 
-    The fiber then moves as its path does, and its length is that at which it carries what the tendon pulls. At rest
-    this is the equilibrium; in movement it neglects only the rate at which the tendon stretches. A rigid tendon would
-    be linear but for `velocity_scale`, but misjudges what a posture can hold: tendons of up to ten fiber lengths
-    stretch by as much as a third of one. guess: of the fiber length, m; any number.
+    Returns the force, its slope with respect to the activation, and the fiber length (m). The fiber moves at the speed
+    of its path, and its length is the one at which it exerts the same force as its tendon. At rest this is the
+    equilibrium. In movement only the rate of the tendon strain is neglected. With rigid tendons the force would be
+    linear in the activation, except for `velocity_scale`. But rigid tendons misjudge the strength in a posture: tendons
+    are up to ten fiber lengths long, and they stretch by up to a third of a fiber length. guess: of the fiber length
+    (m); any number.
     """
     if m.rigid_tendon:
         force, by_activation, _, _ = rigid_tendon_force(activation, mtu_length, mtu_speed, m)
@@ -69,11 +71,12 @@ def steady_force(activation, mtu_length, mtu_speed, guess, m):
 def _smallest_controls(gain, desired, lower, x):
     """Writes the x (n,) in [lower, 1] with the least |x|^2 + RESERVE_WEIGHT |desired - x gain|^2.
 
-    gain: (n, n_q). desired: (n_q,). Newton's method on the dual problem, in which only n_q numbers p are unknown: x =
-    clip(gain p, lower, 1), and p is RESERVE_WEIGHT times the reserve. The dual cost is convex with a piecewise linear
-    gradient. Steps are halved until they do not overshoot, so the method converges from every start.
+    gain: (n, n_q). desired: (n_q,). The method is Newton's on the dual problem, in which only n_q numbers p are
+    unknown: x = clip(gain p, lower, 1), and p is RESERVE_WEIGHT times the reserve torque. The dual cost is convex and
+    its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method converges from every
+    start.
 
-    The products are loops and not calls of BLAS, whose last bits depend on where arrays lie in memory.
+    Matrix products are written as loops. BLAS would give last bits that depend on the position of the arrays in memory.
     """
     n, n_q = gain.shape
     p, later_p = np.zeros(n_q), np.zeros(n_q)
@@ -110,7 +113,7 @@ def _smallest_controls(gain, desired, lower, x):
 
 @inner
 def _dual_gradient(p, gain, desired, lower, x, gradient):
-    """Writes the x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost."""
+    """Writes the x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost at p."""
     n, n_q = gain.shape
     for j in range(n_q):
         gradient[j] = p[j] / RESERVE_WEIGHT - desired[j]
@@ -133,12 +136,13 @@ def _dot(x, y):
 
 @compiled
 def static_activations(q, v, tau, guess, muscles, paths):
-    """Activations (n,), least in the sum of squares, that exert tau (n_q,) Nm, and the reserve torque (n_q,) they miss.
+    """Activations (n,) with the least sum of squares that exert joint torques tau (n_q,), Nm; and the reserve torques.
 
-    q, v: joint angles and speeds (n_q,). guess: activations (n,) to start from. Activations stay in
-    [minimum_activation, 1]; where those exert no such torque, the reserve is as small as can be. Muscle forces are not
-    linear in the activation, which scales velocities and stretches the tendon, so they are linearized around the
-    present activations until these settle: a few small quadratic programs.
+    The reserve torques (n_q,), Nm, are what the muscles lack to exert tau. q, v: joint angles and speeds (n_q,). guess:
+    activations (n,) to start from. Activations stay in [minimum_activation, 1]. If these cannot exert tau, the reserve
+    torques are as small as possible. Muscle forces are not linear in the activation, because it also changes the fiber
+    velocity and stretches the tendon. So a few rounds linearize the muscles around the present activations and solve a
+    small quadratic program, until the activations do not change any more.
     """
     n, n_q = len(muscles), len(q)
     length, moment_arm = muscle_geometry(q, muscles, paths)
@@ -175,16 +179,17 @@ def static_activations(q, v, tau, guess, muscles, paths):
 
 
 @compiled
-def excitations_to_reach(wanted, activation, time_step, muscles):
-    """Excitations (n,) that, held for time_step (s), take activations (n,) to the wanted ones, or as near as they can.
+def excitations_to_reach(desired, activation, time_step, muscles):
+    """Excitations (n,) that bring activations (n,) to the desired ones (n,), or as close as possible, in a time step.
 
-    The time constant of each muscle (see `activation_rate`) is that of its present activation.
+    The excitations are held for time_step (s). The time constant of each muscle (see `activation_rate`) is the one at
+    its present activation.
     """
     excitation = np.empty(len(muscles))
     for i in range(len(muscles)):
         m = muscles[i]
         speed = 0.5 + 1.5 * activation[i]
-        rate = 1.0 / (m.activation_time * speed) if wanted[i] > activation[i] else speed / m.deactivation_time
-        reached = -math.expm1(-rate * time_step)  # share of the way that the activation goes
-        excitation[i] = min(max(activation[i] + (wanted[i] - activation[i]) / reached, 0.0), 1.0)
+        rate = 1.0 / (m.activation_time * speed) if desired[i] > activation[i] else speed / m.deactivation_time
+        reached = -math.expm1(-rate * time_step)  # fraction of the way to the excitation that the activation covers
+        excitation[i] = min(max(activation[i] + (desired[i] - activation[i]) / reached, 0.0), 1.0)
     return excitation

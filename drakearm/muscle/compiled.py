@@ -1,7 +1,27 @@
-"""The decorators of all compiled functions: Numba, with a cache that notices when any of drakearm's sources changed.
+"""The decorators of all compiled functions: Numba, with a cache that notices when any source file of drakearm changed.
 
-`compiled` is for functions that Python calls, `inner` for those that only compiled functions call, and `inlined` for
-those that are called in loops over lanes (see `drakearm.model.muscle_lanes`).
+There are three decorators:
+
+- `compiled`: for functions that Python code calls.
+- `inner`: for functions that only compiled functions call.
+- `inlined`: for functions that are called in a loop over lanes.
+
+**Lanes.** A lane is one of several arms that are simulated side by side. The last index of an array (..., lanes) is the
+lane, so the same number of all these arms, such as the length of one fiber, lies next to each other in memory. The
+compiler turns a loop over the lanes into vector instructions, each of which computes several lanes. It can do so only
+if the functions called in the loop are inlined there, and if they select values instead of branching.
+
+**Two versions.** Some functions exist for one arm (`muscle_step`, `fiber_step`, `evaluate_paths`) and for lanes
+(`step_muscle_lanes`, `fiber_steps`, `evaluate_path_lanes`). Those for one arm are simple and keep nothing between two
+calls: Drake's Systems use them. Those for lanes are faster for many arms, as learning needs, and keep working memory
+between calls. Tests compare the two versions with each other.
+
+**Arithmetic.** A function must give the same bits on every processor, so the compiler may not change how results are
+rounded (see `_OPTIONS`). What it could do for speed if it were allowed to is therefore written in the code:
+
+- `fma(x, y, z)` is x * y + z in one instruction.
+- A product with a constant's reciprocal replaces a division by the constant, because a division takes longer. Where the
+  constant is a number of the muscle, a loop over lanes computes the reciprocal once.
 """
 
 import functools
@@ -18,10 +38,10 @@ from numba.extending import intrinsic
 
 
 def _cache_folder() -> Path:
-    """The cache folder of the present state of the sources.
+    """The cache folder for the present source files of drakearm: every change of a file gives another folder.
 
-    Numba's own cache looks only at the file of a function, so it would keep functions whose callees in other files
-    have changed.
+    Numba's own cache checks only the file in which a function is defined. It would keep a compiled function although
+    another file, with a function that it calls, has changed.
     """
     user = config.CACHE_DIR  # type: ignore[attr-defined]
     base = user or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "drakearm"
@@ -32,12 +52,14 @@ def _cache_folder() -> Path:
 
 
 def _set_numba_options() -> None:
-    """Changes two of Numba's options for the whole process: everything that it compiles from now on.
+    """Changes two options of Numba for the whole process, that is, for everything that it compiles from now on.
 
-    Vectors of 512 bits where the processor has them: LLVM avoids them, but here they save a quarter of the time. And
-    loops that are not unrolled: those over lanes are a few vectors long, and so they compile and run a tenth faster.
-    Set the environment variable DRAKEARM_KEEP_NUMBA_OPTIONS to any text to leave both as they are. NUMBA_CPU_FEATURES,
-    where it is set, decides about the vectors.
+    - Vectors of 512 bits, where the processor has them. LLVM avoids them, but here they save a quarter of the time.
+    - No unrolling of loops. The loops over lanes are only a few vectors long: without unrolling they compile and run a
+      tenth faster.
+
+    To keep Numba's own options, set the environment variable DRAKEARM_KEEP_NUMBA_OPTIONS to any text. If
+    NUMBA_CPU_FEATURES is set, it decides about the vectors.
     """
     if os.environ.get("DRAKEARM_KEEP_NUMBA_OPTIONS"):
         return
@@ -50,21 +72,25 @@ def _set_numba_options() -> None:
 _set_numba_options()
 _FOLDER = str(_cache_folder())
 
-# No "fastmath": the compiler may then not round in another order or fuse a product with a sum. So a function gives the
-# same bits on every processor, and also where two functions hold separately compiled copies of it, of which a process
-# uses the one that it happens to load first. Where fusing matters for speed, the code says `fma`.
+# Numba's option `fastmath` is off. With it the compiler may reorder sums and fuse a product with a sum, which changes
+# the last bits. Without it a function gives the same bits on every processor. It also gives the same bits in every
+# process: two compiled functions may each contain a compiled copy of a third one, and a process uses whichever copy it
+# loads first.
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def compiled(function: Callable[..., Any], **options: Any) -> Any:
-    """Compiles a function with Numba: NumPy's rules for division by zero, cached between processes."""
+    """Compiles a function with Numba, for calls from Python. The result is cached on disk for later processes.
+
+    A division by zero gives inf or NaN, as in NumPy.
+    """
     dispatcher = numba.njit(**_OPTIONS, **options)(function)
     before = config.CACHE_DIR  # type: ignore[attr-defined]
     config.CACHE_DIR = _FOLDER  # type: ignore[attr-defined]
     try:
         dispatcher.enable_caching()
     except RuntimeError:
-        pass  # Numba finds no folder that it may write to: every process compiles for itself
+        pass  # Numba finds no folder that it may write to: every process compiles again
     finally:
         config.CACHE_DIR = before  # type: ignore[attr-defined]
     return dispatcher
@@ -73,12 +99,12 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:
 class _Inner:
     """A compiled function for other compiled functions, without a Python wrapper, which halves compile time.
 
-    It can be called from Python too: each process compiles a wrapper when it is first needed.
+    Python can call it too: each process compiles a wrapper at the first such call.
     """
 
     def __init__(self, function: Callable[..., Any], **options: Any):
         self._dispatcher = compiled(function, no_cpython_wrapper=True, **options)
-        self._numba_type_ = self._dispatcher._numba_type_  # makes Numba see the compiled function itself
+        self._numba_type_ = self._dispatcher._numba_type_  # compiled callers use the dispatcher directly
         self.py_func = function
         functools.update_wrapper(self, function)
 
@@ -92,17 +118,17 @@ class _Inner:
 
 
 def inner(function: Callable[..., Any]) -> Any:
-    """Like `compiled`, for functions that only compiled functions call: compiles in half the time."""
+    """Like `compiled`, for functions that only compiled functions call: they compile in half the time."""
     return _Inner(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
-    """Like `inner`, for functions called in a loop over lanes: inlined there, so that the loop can use vectors."""
+    """Like `inner`, for functions called in a loop over lanes: inlined, so the loop can use vector instructions."""
     return _Inner(function, forceinline=True)
 
 
 def _fma(typing_context, x, y, z):
-    """x * y + z of doubles, rounded once: one instruction where the processor has it, and everywhere the same bits."""
+    """x * y + z of doubles, rounded only once: one instruction on most processors, and the same bits on all."""
 
     def generate(context, builder, signature, arguments):
         return builder.fma(*arguments)

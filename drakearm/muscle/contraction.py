@@ -1,7 +1,7 @@
-"""Contraction dynamics: forces of tendons, velocities of fibers, a fiber's steps in time and its equilibrium.
+"""Contraction dynamics of one muscle: tendon force, fiber velocity, and the fiber length in time and in equilibrium.
 
-`m` is a record of `MUSCLE_DTYPE`. The pennated fiber keeps its width, so its length along the tendon is
-sqrt(l^2 - width^2). Fibers below their minimum length count as that long, as in OpenSim.
+`m` is a record of `MUSCLE_DTYPE`. A pennated fiber of length l keeps its width, so its length along the tendon is
+sqrt(l^2 - width^2). A fiber length below the minimum is replaced by the minimum, as in OpenSim.
 """
 
 import math
@@ -17,24 +17,24 @@ from drakearm.muscle.models import (
 )
 
 _THIRD = 1.0 / 3.0
-SHORTEST = 0.01  # of the optimal fiber length: floor for unpennated fibers, which have no minimum of their own
-ITERATIONS = 100
-QUICK_ITERATIONS = 6
-TOLERANCE = 1e-8  # of the optimal fiber length, on the last of Newton's moves: what remains is its square
+SHORTEST = 0.01  # times optimal fiber length: lower bound for unpennated fibers, whose minimum_fiber_length is 0
+ITERATIONS = 100  # at most, of `solve_fiber`
+QUICK_ITERATIONS = 6  # at most, of Newton's method in all lanes at once
+TOLERANCE = 1e-8  # times optimal fiber length: of the last Newton move; the remaining error is about its square
 
 
 @inlined
 def shortest_fiber(m):
-    """The length (m) below which no fiber gets."""
+    """Lower bound (m) of the fiber length."""
     return max(m.minimum_fiber_length, SHORTEST * m.optimal_fiber_length)
 
 
 @inlined
 def tendon_force(fiber_length, mtu_length, m):
-    """Force (N) of a compliant tendon and its derivatives by fiber and musculotendon length (N/m)."""
+    """Force (N) of a compliant tendon, and its derivatives with respect to fiber and musculotendon length (N/m)."""
     fiber_length = max(fiber_length, m.minimum_fiber_length)
     along = math.sqrt(fma(fiber_length, fiber_length, -m.fiber_width * m.fiber_width))
-    per_slack_length = 1.0 / m.tendon_slack_length  # the same in all lanes, so a loop divides only once
+    per_slack_length = 1.0 / m.tendon_slack_length  # the same in all lanes: a loop over lanes divides only once
     force, slope = tendon_force_strain(fma(mtu_length - along, per_slack_length, -1.0), m)
     by_mtu = slope * per_slack_length * m.max_isometric_force
     return force * m.max_isometric_force, -by_mtu * fiber_length / along, by_mtu
@@ -42,7 +42,7 @@ def tendon_force(fiber_length, mtu_length, m):
 
 @inlined
 def rigid_fiber(mtu_length, mtu_velocity, m):
-    """Length and velocity of a fiber on a rigid tendon, and the cosine of its pennation angle."""
+    """Length (m) and velocity (m/s) of a fiber on a rigid tendon, and the cosine of its pennation angle."""
     along = max(mtu_length - m.tendon_slack_length, 0.0)
     fiber_length = math.sqrt(along**2 + m.fiber_width**2)
     shortest = shortest_fiber(m)
@@ -54,7 +54,10 @@ def rigid_fiber(mtu_length, mtu_velocity, m):
 
 @inlined
 def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
-    """Force (N) that a fiber puts on its rigid tendon; derivatives by activation, musculotendon length and velocity."""
+    """Force (N) of a fiber on its rigid tendon, and three derivatives of this force.
+
+    They are with respect to activation, musculotendon length and musculotendon velocity.
+    """
     a = min(max(activation, m.minimum_activation), 1.0)
     fiber_length, velocity, cosine = rigid_fiber(mtu_length, mtu_velocity, m)
     length = fiber_length / m.optimal_fiber_length
@@ -79,15 +82,17 @@ def rigid_tendon_force(activation, mtu_length, mtu_velocity, m):
 
 @inlined
 def _velocity_fraction(activation, fiber_length, mtu_length, m):
-    """The fiber velocity as a fraction: unit (m/s), numerator, denominator, and over the same its three derivatives.
+    """The fiber velocity and its derivatives as fractions with one denominator, because a division takes long.
 
-    The derivatives are by activation, minus by fiber length, and by musculotendon length.
+    Returns unit (m/s), numerator, denominator, by_activation, by_length and by_mtu_length. The velocity is numerator *
+    unit / denominator. Its derivatives with respect to activation, fiber length and musculotendon length are
+    by_activation, -by_length and by_mtu_length, each times unit / denominator.
     """
     at_minimum = fiber_length <= m.minimum_fiber_length
     fiber_length = max(fiber_length, m.minimum_fiber_length)
     a = min(max(activation, m.minimum_activation), 1.0)
     free = 1.0 if a == activation else 0.0
-    # The same in all lanes, so a loop divides only once.
+    # The same in all lanes: a loop over lanes divides only once.
     per_optimal_length, per_slack_length = 1.0 / m.optimal_fiber_length, 1.0 / m.tendon_slack_length
     along = math.sqrt(fma(fiber_length, fiber_length, -m.fiber_width * m.fiber_width))
     inverse_along = 1.0 / along
@@ -104,7 +109,7 @@ def _velocity_fraction(activation, fiber_length, mtu_length, m):
     held = at_minimum and numerator <= 0.0
     unit = (0.0 if held else m.max_contraction_velocity * m.optimal_fiber_length) * scale
     by_strain = tendon_slope * per_slack_length
-    # How much less tendon force acts along the fiber per meter of fiber length.
+    # Decrease of the tendon force along the fiber, per meter of fiber length.
     loss = fma(by_strain, secant * secant, tendon * (m.fiber_width * m.fiber_width) * inverse_along**3)
     by_length = by_active * fma(passive_slope, per_optimal_length, loss)
     by_length = fma(by_isometric, a * shape_slope * per_optimal_length, by_length)
@@ -114,10 +119,10 @@ def _velocity_fraction(activation, fiber_length, mtu_length, m):
 
 @inlined
 def fiber_velocity(activation, fiber_length, mtu_length, m):
-    """Fiber velocity (m/s) and its derivatives by activation, fiber length and musculotendon length.
+    """Fiber velocity (m/s) and its derivatives with respect to activation, fiber length and musculotendon length.
 
-    The velocity at which the contractile element carries what the tendon pulls and the passive element does not
-    (Thelen 2003, eq. 6). At the minimum fiber length a fiber can only lengthen.
+    At this velocity the contractile element exerts the force of the tendon minus that of the passive element
+    (Thelen 2003, eq. 6). At its minimum length a fiber can only lengthen.
     """
     unit, numerator, denominator, by_activation, by_length, by_mtu_length = _velocity_fraction(
         activation, fiber_length, mtu_length, m
@@ -128,15 +133,15 @@ def fiber_velocity(activation, fiber_length, mtu_length, m):
 
 @inlined
 def slack_fiber_length(mtu_length, m):
-    """Fiber length at which the tendon just goes slack."""
+    """Fiber length (m) at which the tendon has exactly its slack length."""
     return math.sqrt(max(mtu_length - m.tendon_slack_length, 0.0) ** 2 + m.fiber_width**2)
 
 
 @inlined
 def newton_move(x, weight, base, activation, mtu_length, m):
-    """What `solve_fiber` finds at a fiber length x: its equation's residual, and Newton's move to the root.
+    """One iteration of `solve_fiber` at fiber length x (m): the residual of its equation, and Newton's move (m) from x.
 
-    The residual comes multiplied by the denominator of the velocity, which spares a division.
+    The residual is multiplied by the denominator of the velocity, which saves a division.
     """
     unit, numerator, denominator, _, by_length, _ = _velocity_fraction(activation, x, mtu_length, m)
     residual = fma(unit, numerator, -weight * (x - base) * denominator)
@@ -145,10 +150,11 @@ def newton_move(x, weight, base, activation, mtu_length, m):
 
 @inner
 def solve_fiber(weight, base, activation, mtu_length, guess, m):
-    """Fiber length x with weight * (x - base) = fiber_velocity(x), or the shortest one where that is above the root.
+    """Fiber length x (m) that solves weight * (x - base) = fiber_velocity(x), but at least `shortest_fiber`.
 
-    The left side rises and the right side falls with x, so the root lies below the base or the length at which the
-    tendon goes slack. Newton's method stays inside the bracket that it narrows, or falls back to bisection.
+    The left side rises with x and the right side falls. So the root is not above both the base and the fiber length at
+    which the tendon goes slack. Every iteration narrows a bracket around the root. A Newton move that would leave the
+    bracket is replaced by bisection.
     """
     low = shortest_fiber(m)
     high = max(max(base, slack_fiber_length(mtu_length, m)), low) * (1.0 + 1e-9)
@@ -169,7 +175,10 @@ def solve_fiber(weight, base, activation, mtu_length, guess, m):
 
 @inner
 def equilibrium_fiber_length(activation, mtu_length, m):
-    """Fiber length (m) at which a resting fiber and its tendon pull alike; NaN if none is short enough."""
+    """Fiber length (m) at which a resting fiber and its tendon exert the same force.
+
+    NaN if the musculotendon path is so short that even the shortest fiber leaves the tendon slack.
+    """
     if m.rigid_tendon:
         fiber_length, _, _ = rigid_fiber(mtu_length, 0.0, m)
         return fiber_length if fiber_length > shortest_fiber(m) else math.nan
@@ -182,10 +191,11 @@ def equilibrium_fiber_length(activation, mtu_length, m):
 
 @inner
 def fiber_step(activation, fiber_length, previous_fiber_length, mtu_length, time_step, m):
-    """Fiber length and velocity a time step later, with activation and musculotendon length of that later instant.
+    """Fiber length (m) and velocity (m/s) one time step (s) later, by BDF2: one scalar equation is solved.
 
-    BDF2: second order and L-stable (a barely active, stretched fiber relaxes at up to 8e4 /s), for one scalar solve.
-    The previous fiber length is that of one step earlier.
+    activation, mtu_length: at the later instant. previous_fiber_length: one time step before fiber_length. BDF2 is of
+    second order. It is also L-stable, which is needed because a barely active, stretched fiber relaxes at rates up to
+    8e4 /s.
     """
     base = bdf2_base(fiber_length, previous_fiber_length)
     guess = 2.0 * fiber_length - previous_fiber_length
@@ -196,11 +206,11 @@ def fiber_step(activation, fiber_length, previous_fiber_length, mtu_length, time
 
 @inlined
 def fiber_steps(later, state, i, n, mtu_length, time_step, m):
-    """Writes the fiber lengths `later` (lanes,) of muscle i a time step later; `later` holds guesses.
+    """`fiber_step` of muscle i in every lane: replaces guesses in `later` (lanes,) by the later fiber lengths.
 
-    state: see `muscle_step`, but with activations of the later instant; (4 n, lanes). mtu_length: (n, lanes), of that
-    instant too. It is `fiber_step` in every lane: plain Newton iterations of all lanes at once nearly always suffice,
-    and where they do not settle in some lane, all are left to `fiber_step` itself.
+    state (4 n, lanes): as in `muscle_step`, but its activations are those at the later instant. mtu_length (n, lanes):
+    at the later instant too. Newton's method without a bracket, in all lanes at once, is nearly always enough. If it
+    does not converge in some lane, `fiber_step` computes every lane.
     """
     weight = 1.5 / time_step
     shortest, tolerance = shortest_fiber(m), TOLERANCE * m.optimal_fiber_length
@@ -221,5 +231,5 @@ def fiber_steps(later, state, i, n, mtu_length, time_step, m):
 
 @inlined
 def bdf2_base(fiber_length, previous_fiber_length):
-    """The fiber length from which BDF2 makes a step of Euler's implicit rule, two thirds of the time step long."""
+    """The fiber length (m) from which an implicit Euler step over 2/3 of the time step gives the step of BDF2."""
     return fma(4.0, fiber_length, -previous_fiber_length) * _THIRD

@@ -1,10 +1,10 @@
 """Curves of the De Groote-Fregly (2016) muscle, each with its derivative: smooth everywhere, for optimization.
 
-Dimensionless like those of `thelen2003`. Source: De Groote, Kinney, Rao, Fregly, "Evaluation of direct collocation
-optimal control problem formulations for solving the muscle redundancy problem", Annals of Biomedical Engineering
-44:2922-2936, 2016, with the constants that OpenSim's DeGrooteFregly2016Muscle adjusts so that the curves pass through
-their key points. The tendon curve is slightly negative for a slack tendon, as published; so a slack tendon pushes with
-up to 0.2 times max_isometric_force.
+They are dimensionless, like those of `thelen2003`. Source: De Groote, Kinney, Rao, Fregly, "Evaluation of direct
+collocation optimal control problem formulations for solving the muscle redundancy problem", Annals of Biomedical
+Engineering 44:2922-2936, 2016. The constants are those of OpenSim's DeGrooteFregly2016Muscle, which adjusts some of
+them so that the curves pass through their key points. As published, the tendon curve is slightly negative for a slack
+tendon: a slack tendon pushes with up to 0.2 times max_isometric_force.
 """
 
 import math
@@ -17,15 +17,15 @@ _GAUSSIANS = (
     (0.433004984392647, 0.716775413397760, -0.029947116970696, 0.200356847296188),
     (0.1, 1.0, 0.353553390593274, 0.0),
 )
-_D1, _D2, _D3, _D4 = -0.3211346127989808, -8.149, -0.374, 0.8825327733249912
+_D1, _D2, _D3, _D4 = -0.3211346127989808, -8.149, -0.374, 0.8825327733249912  # of the force-velocity curve
 _TENDON_SCALE = 0.2  # c1 and c3
-_TENDON_RATE = math.log((1.0 + _TENDON_SCALE) / _TENDON_SCALE)  # over tendon_strain
+_TENDON_RATE = math.log((1.0 + _TENDON_SCALE) / _TENDON_SCALE)  # to be divided by tendon_strain
 _SHORTEST_PASSIVE = 0.2  # fiber length at which the passive force is 0
-_LOWEST, _HIGHEST = -0.5, 2.3  # forces beyond which the velocity, then over 5, continues along tangents
+_LOWEST, _HIGHEST = -0.5, 2.3  # ratios of forces: beyond them the velocity, there about 5, continues along tangents
 
 
 def passive_constants(passive_strain: float, passive_shape: float) -> tuple[float, float]:
-    """Offset and scale of the passive force's exponential."""
+    """Offset and scale of the passive force: scale * (exponential - offset)."""
     offset = math.exp(passive_shape / passive_strain * (_SHORTEST_PASSIVE - 1.0))
     return offset, 1.0 / (math.exp(passive_shape) - offset)
 
@@ -61,7 +61,7 @@ def tendon_force_strain(strain, m):
 
 @inlined
 def velocity_of_force(active, isometric, m):
-    """Velocity where `active` force meets `isometric` force, a hyperbolic sine; see `thelen2003.velocity_of_force`."""
+    """Velocity at an active force, given the isometric one: a hyperbolic sine. See `thelen2003.velocity_of_force`."""
     inverse = 1.0 / isometric
     ratio = active * inverse
     at = min(max(ratio, _LOWEST), _HIGHEST)
@@ -74,12 +74,12 @@ def velocity_of_force(active, isometric, m):
 
 @inlined
 def force_of_velocity(velocity, m):
-    """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force` between its tangents."""
+    """Active over isometric force at a velocity, and its slope: inverse of `velocity_of_force` without its tangents."""
     z = _D2 * velocity + _D3
     return _D1 * math.asinh(z) + _D4, _D1 * _D2 / math.sqrt(z * z + 1.0)
 
 
 @inlined
 def velocity_scale(activation, m):
-    """Factor of the velocity at an activation, and its slope: none in this model."""
+    """Factor of the velocity at an activation, and its slope: 1 and 0, because this model does not have the factor."""
     return 1.0, 0.0

@@ -1,16 +1,16 @@
-"""Elementary functions that the compiler can apply to many numbers at once, unlike those of the C library.
+"""Elementary functions that the compiler can apply to several numbers at once, unlike those of the C library.
 
-Straight-line code: reduction of the argument to a small interval (Cody and Waite 1980) and a polynomial, nearly the
-minimax one, of relative error below 2e-17 there.
+They have no branches. The argument is reduced to a small interval (Cody and Waite 1980), where a polynomial, nearly the
+minimax one, has a relative error below 2e-17.
 """
 
 import numpy as np
 
 from drakearm.muscle.compiled import fma, inlined
 
-LEAST_EXPONENT, GREATEST_EXPONENT = -708.0, 709.0  # of `exp`
+LEAST_EXPONENT, GREATEST_EXPONENT = -708.0, 709.0  # limits of the argument of `exp`
 
-_ROUNDER = 6755399441055744.0  # 1.5 * 2^52: what is added to it is rounded to an integer, found in its lowest bits
+_ROUNDER = 6755399441055744.0  # 1.5 * 2^52: x + _ROUNDER rounds x to an integer, which is in the lowest bits of the sum
 _ONE_BITS = 1023 << 52  # 1.0 as an integer
 _LOG2_E = 1.4426950408889634
 _LN2_HIGH, _LN2_LOW = 0.6931471803691238, 1.9082149292705877e-10
@@ -50,7 +50,7 @@ def _bits(x):
 
 @inlined
 def exp(x):
-    """Exponential function to 2 units in the last place, from LEAST_EXPONENT to GREATEST_EXPONENT only: clamp x."""
+    """Exponential function, accurate to 2 units in the last place. Clamp x to [LEAST_EXPONENT, GREATEST_EXPONENT]."""
     shifted = fma(x, _LOG2_E, _ROUNDER)
     n = shifted - _ROUNDER
     r = fma(n, -_LN2_LOW, fma(n, -_LN2_HIGH, x))
@@ -65,7 +65,7 @@ def exp(x):
 
 @inlined
 def sincos(x):
-    """Sine and cosine to 2e-16 for |x| up to 1e5."""
+    """Sine and cosine, accurate to 2e-16 for |x| up to 1e5."""
     shifted = fma(x, _TWO_OVER_PI, _ROUNDER)
     n = shifted - _ROUNDER
     r = fma(n, -_HALF_PI_LOW, fma(n, -_HALF_PI_MIDDLE, fma(n, -_HALF_PI_HIGH, x)))

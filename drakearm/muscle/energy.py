@@ -1,6 +1,6 @@
 """Forces along the fiber, mechanical power of fiber and tendon, and the metabolic power of a muscle.
 
-`m` is a record of `MUSCLE_DTYPE`. Fibers below their minimum length count as that long, as in OpenSim.
+`m` is a record of `MUSCLE_DTYPE`. A fiber length below the minimum is replaced by the minimum, as in OpenSim.
 """
 
 import math
@@ -17,7 +17,7 @@ _MINIMUM_HEAT = 1.0
 
 @inner
 def fiber_forces(fiber_length, tendon_force, m):
-    """Active and passive force (N) along the fiber that together balance a tendon force (N)."""
+    """Active and passive force (N) along the fiber. Together they balance a tendon force (N)."""
     passive, _ = passive_force_length(max(fiber_length, m.minimum_fiber_length) / m.optimal_fiber_length, m)
     passive *= m.max_isometric_force
     return tendon_force / _pennation_cosine(fiber_length, m) - passive, passive
@@ -37,8 +37,8 @@ def metabolic_power(activation, excitation, fiber_length, fiber_velocity, active
     active, passive: forces along the fiber (N); fiber_velocity (m/s) is positive when the fiber lengthens. The power is
     that of OpenSim's Bhargava2004MuscleMetabolicsProbe with use_force_dependent_shortening_prop_constant = true, as in
     the paper of Bhargava et al. (2004), and include_negative_mechanical_work = false. Its two limits apply: the total
-    power is never negative, and the heat is at least 1 W per kg of muscle. The probe does not limit the excitation.
-    Here an excitation outside [0, 1] counts as 0 or 1.
+    power is never negative, and the heat is at least 1 W per kg of muscle. The probe does not limit the excitation;
+    here it is clamped to [0, 1].
     """
     activating, maintaining, shortening, work = metabolic_rates(
         activation, excitation, fiber_length, fiber_velocity, active, passive, m
@@ -49,11 +49,11 @@ def metabolic_power(activation, excitation, fiber_length, fiber_velocity, active
 
 @inner
 def metabolic_rates(activation, excitation, fiber_length, fiber_velocity, active, passive, m):
-    """The four parts (W) of the metabolic power, before its limits, for the same arguments.
+    """The four parts (W) of the metabolic power before its limits apply, for the same arguments.
 
-    They are the heat of activation (without the decay in time of Bhargava et al. 2004, as in OpenSim), of maintenance
-    and of shortening, and the mechanical work. The heat of shortening is negative for a lengthening fiber, which does
-    no work.
+    They are the heat of activation, of maintenance and of shortening, and the mechanical work. As in OpenSim, the heat
+    of activation does not decay in time, as it does in Bhargava et al. (2004). For a lengthening fiber the heat of
+    shortening is negative and the work is 0.
     """
     length = max(fiber_length, m.minimum_fiber_length) / m.optimal_fiber_length
     u = min(max(excitation, 0.0), 1.0)

@@ -1,11 +1,12 @@
-"""The muscle models: the table of them, and for each curve the function that calls the one of a muscle's model.
+"""The table of the muscle models, and one function per curve, which calls that curve of the muscle's own model.
 
 Curves are dimensionless: forces over max_isometric_force, fiber lengths over optimal_fiber_length, velocities over
 max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Each curve returns a value and its slope, except
 `velocity_of_force`.
 
-A model is a module with these curves and `passive_constants`. To add one, write its module, name it here and in
-`drakearm.model.muscle_lanes`: importing either of the two fails until all their functions name every model.
+A model is a module with these curves and `passive_constants`. To add one, write its module and name it here and in
+`drakearm.model.muscle_lanes`. Importing these two modules fails until each of their functions that chooses by model
+names all models.
 """
 
 import math
@@ -17,8 +18,9 @@ from drakearm.muscle.compiled import inlined
 
 MODELS: dict[str, ModuleType] = {"thelen2003": thelen2003, "degroote2016": degroote2016}
 THELEN2003, DEGROOTE2016 = range(len(MODELS))
-MODEL_CODES = {name: code for code, name in enumerate(MODELS)}  # of the models, in records of muscles
+MODEL_CODES = {name: code for code, name in enumerate(MODELS)}  # the field model_code of `MUSCLE_DTYPE`
 
+# Compiled functions cannot look up a module in MODELS, so each model's curves get names here.
 _thelen2003_active, _degroote2016_active = (model.active_force_length for model in MODELS.values())
 _thelen2003_passive, _degroote2016_passive = (model.passive_force_length for model in MODELS.values())
 _thelen2003_tendon, _degroote2016_tendon = (model.tendon_force_strain for model in MODELS.values())
@@ -28,9 +30,9 @@ _thelen2003_scale, _degroote2016_scale = (model.velocity_scale for model in MODE
 
 
 def names_every_model(function: Any) -> Any:
-    """Returns a compiled function that chooses by model, after a check that its code names the codes of all models.
+    """Checks that a compiled function, which chooses by muscle model, names the codes of all models, and returns it.
 
-    Raises TypeError where it does not.
+    Raises TypeError if it does not name them all.
     """
     missing = {name.upper() for name in MODELS} - set(function.py_func.__code__.co_names)
     if missing:
@@ -74,9 +76,10 @@ def tendon_force_strain(strain, m):
 @names_every_model
 @inlined
 def velocity_of_force(active, isometric, m):
-    """Fiber velocity at full activation where `active` force meets `isometric` force, as a fraction.
+    """Fiber velocity at full activation, as a fraction, at an active force and the isometric force of that length.
 
-    Numerator, denominator, and over the same denominator the slope by `active` and minus that by `isometric`.
+    Returns numerator, denominator, and two slopes as numerators over the same denominator: that with respect to
+    `active`, and minus that with respect to `isometric`.
     """
     if m.model_code == THELEN2003:
         return _thelen2003_velocity(active, isometric, m)
@@ -99,7 +102,7 @@ def force_of_velocity(velocity, m):
 @names_every_model
 @inlined
 def velocity_scale(activation, m):
-    """Factor by which an activation changes the velocity of full activation."""
+    """Factor between the velocity at an activation and the velocity at full activation."""
     if m.model_code == THELEN2003:
         return _thelen2003_scale(activation, m)
     if m.model_code == DEGROOTE2016:

@@ -8,7 +8,7 @@ from drakearm.muscle.compiled import inlined
 
 
 class MuscleParameters(NamedTuple):
-    """Field by field what `drakearm.model.Muscle` holds, plus what follows from it. Units: m, N, s, rad, Pa, kg."""
+    """The numbers of a `drakearm.model.Muscle`: some of its fields and properties. Units: m, N, s, rad, Pa, kg."""
 
     model_code: int  # see `drakearm.muscle.models`
     rigid_tendon: bool
@@ -27,9 +27,9 @@ class MuscleParameters(NamedTuple):
     eccentric_force: float  # over isometric force
     slow_twitch_fraction: float
     mass: float
-    fiber_width: float  # optimal_fiber_length * sin(pennation_angle): constant
-    minimum_fiber_length: float  # where pennation reaches acos(0.1)
-    passive_offset: float  # the passive force is passive_scale (exp(...) - passive_offset), see `passive_constants`
+    fiber_width: float  # optimal_fiber_length * sin(pennation_angle), the same at every fiber length
+    minimum_fiber_length: float  # where the pennation angle reaches acos(0.1)
+    passive_offset: float  # the passive force is passive_scale * (exp(...) - passive_offset), see `passive_constants`
     passive_scale: float
 
 
@@ -39,9 +39,10 @@ MUSCLE_DTYPE = np.dtype([(name, _NUMPY_TYPES[t]) for name, t in MuscleParameters
 
 @inlined
 def muscle_parameters(record, model_code):
-    """The numbers of a record as values: the compiler then knows that loops do not change them.
+    """The numbers of a record as a named tuple of values: the compiler then knows that loops do not change them.
 
-    model_code: that of the record, as a constant where the code that follows is to be compiled for this model alone.
+    model_code: that of the record. If it is given as a constant, the code that uses the result is compiled for this
+    model alone.
     """
     return MuscleParameters(
         model_code,

@@ -3,7 +3,8 @@
 All are dimensionless: forces over max_isometric_force, fiber lengths over optimal_fiber_length, velocities over
 max_contraction_velocity. `m` is a record of `MUSCLE_DTYPE`. Equation numbers: Thelen, "Adjustment of muscle mechanics
 model parameters to simulate dynamic contractions in older adults", J. Biomech. Eng. 125:70-77, 2003.
-They clamp and select values instead of branching, so that one vector instruction can serve many muscles.
+The curves clamp and select values instead of branching, so that one vector instruction can compute several lanes (see
+`drakearm.muscle.compiled`).
 """
 
 import math
@@ -17,12 +18,12 @@ TOE_SCALE = TOE_FORCE / (math.exp(TOE_SHAPE) - 1.0)
 # The strain at which the toe region ends, over tendon_strain: the strain at max_isometric_force (eq. 5).
 TOE_RATIO = 99.0 * math.exp(TOE_SHAPE) / (166.0 * math.exp(TOE_SHAPE) - 67.0)
 TOE_RATE = TOE_SHAPE / TOE_RATIO
-LINEAR_SLOPE = (1.0 - TOE_FORCE) / (1.0 - TOE_RATIO)  # of the tendon curve beyond its toe region, times tendon_strain
-LINEAR_FROM = 0.95  # share of eccentric_force beyond which force-velocity continues along its tangent
+LINEAR_SLOPE = (1.0 - TOE_FORCE) / (1.0 - TOE_RATIO)  # slope of the tendon curve after the toe, times tendon_strain
+LINEAR_FROM = 0.95  # times eccentric_force: above this force the force-velocity curve continues along its tangent
 
 
 def passive_constants(passive_strain: float, passive_shape: float) -> tuple[float, float]:
-    """Offset and scale of the passive force's exponential (eq. 3)."""
+    """Offset and scale of the passive force: scale * (exponential - offset) (eq. 3)."""
     return 1.0, 1.0 / math.expm1(passive_shape)
 
 
@@ -36,7 +37,7 @@ def active_force_length(length, m):
 
 @inlined
 def passive_force_length(length, m):
-    """Passive force and its slope at a normalized fiber length (eq. 3), 0 below the optimal length."""
+    """Passive force and its slope at a normalized fiber length (eq. 3); both 0 below the optimal length."""
     rate = m.passive_shape / m.passive_strain
     growth = exp(min(rate * max(length - 1.0, 0.0), GREATEST_EXPONENT))
     slope = rate * growth * m.passive_scale
@@ -45,7 +46,7 @@ def passive_force_length(length, m):
 
 @inlined
 def tendon_force_strain(strain, m):
-    """Tendon force and its slope at a strain (eq. 5): exponential toe, then linear; 0 when slack."""
+    """Tendon force and its slope at a strain (eq. 5): exponential in the toe region, then linear; both 0 when slack."""
     toe_strain = TOE_RATIO * m.tendon_strain
     toe_rate, stiffness = TOE_RATE / m.tendon_strain, LINEAR_SLOPE / m.tendon_strain
     growth = exp(toe_rate * min(max(strain, 0.0), toe_strain))
@@ -57,12 +58,13 @@ def tendon_force_strain(strain, m):
 
 @inlined
 def velocity_of_force(active, isometric, m):
-    """Shortening (< 0) or lengthening velocity where `active` force meets `isometric` force > 0 (eq. 6).
+    """Fiber velocity at an active force, given the isometric force > 0 (eq. 6); negative for a shortening fiber.
 
-    Returns numerator and denominator of the velocity, and over the same denominator its slope by the active force and
-    minus its slope by the isometric force: as a fraction, because the caller then often needs one division less. The
-    velocity is that of full activation; `velocity_scale` shrinks it with activation. Below 0 and beyond LINEAR_FROM *
-    eccentric_force * isometric it continues along the tangents, so that it exists for every force.
+    Returns numerator and denominator of the velocity, and two slopes as numerators over the same denominator: that with
+    respect to `active`, and minus that with respect to `isometric`. With fractions the caller often saves a division.
+    The velocity is that at full activation; `velocity_scale` reduces it for other activations. For active forces below
+    0 or above LINEAR_FROM * eccentric_force * isometric the curve continues along its tangents, so a velocity exists
+    for every force.
     """
     highest = m.eccentric_force
     per_shape = 1.0 / m.force_velocity_shape
@@ -78,7 +80,7 @@ def velocity_of_force(active, isometric, m):
 
 @inlined
 def force_of_velocity(velocity, m):
-    """Active over isometric force at a velocity, and its slope: inverts `velocity_of_force`, but is never below 0."""
+    """Active over isometric force at a velocity, and its slope: inverse of `velocity_of_force`, but never below 0."""
     highest = m.eccentric_force
     steepness = 1.0 + 1.0 / m.force_velocity_shape
     scale = (highest - 1.0) / (2.0 * steepness)
@@ -93,5 +95,5 @@ def force_of_velocity(velocity, m):
 
 @inlined
 def velocity_scale(activation, m):
-    """Factor of the velocity at an activation, and its slope (eq. 6): a quarter at rest, 1 at full activation."""
+    """Factor of the velocity at an activation, and its slope (eq. 6): 0.25 at activation 0, 1 at full activation."""
     return 0.25 + 0.75 * activation, 0.75

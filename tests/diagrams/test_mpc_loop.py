@@ -17,7 +17,7 @@ HORIZON = 1.6  # s
 
 
 def push(at: float, torque: list[float]) -> PiecewisePolynomial:
-    """A torque (n_q,), Nm, on the joints, applied for 50 ms from a time on (s)."""
+    """A torque (n_q,), Nm, on the joints for 50 ms. at: its start (s)."""
     breaks = [0.0, at, at + 0.05, 10.0]
     return PiecewisePolynomial.ZeroOrderHold(breaks, np.array([[0, 0], torque, [0, 0], [0, 0]], dtype=float).T)
 
@@ -27,7 +27,7 @@ def model(arm):
     return PlanningModel(arm)
 
 
-def test_undisturbed_it_carries_out_the_plan(arm):
+def test_without_disturbance_it_carries_out_the_plan(arm):
     once, again = plan(arm, MOVEMENT), plan(arm, MOVEMENT, horizon=HORIZON)
     np.testing.assert_allclose(again.reference.t, once.reference.t, atol=1e-9)
     np.testing.assert_allclose(again.reference.q, once.reference.q, atol=0.01)
@@ -36,7 +36,7 @@ def test_undisturbed_it_carries_out_the_plan(arm):
     assert sum(again.costs.values()) == pytest.approx(sum(once.costs.values()), rel=0.05)
 
 
-def test_with_the_obstacle_it_stays_clear(arm):
+def test_it_keeps_clear_of_an_obstacle(arm):
     scenario = load_scenario("obstacle")
     found = plan(arm, scenario.movement, obstacle=scenario.obstacle, horizon=HORIZON)
     assert found.verification.clearance > 0.005
@@ -51,12 +51,12 @@ def test_a_pushed_arm_comes_back(arm, model, at, torque):
     during = round(at / 0.01) + 6
     undisturbed = plan(arm, MOVEMENT).reference.q
     planned = undisturbed[min(during, len(undisturbed) - 1)]
-    assert np.abs(pushed.q[during] - planned).max() > 0.02  # the push was felt
+    assert np.abs(pushed.q[during] - planned).max() > 0.02  # the push had an effect
     np.testing.assert_allclose(pushed.q[-1], MOVEMENT.target, atol=0.005)
     np.testing.assert_allclose(pushed.v[-1], 0.0, atol=0.01)
 
 
-def test_a_free_end_is_drawn_by_the_costs_at_every_step(arm, model):
+def test_costs_pull_a_free_end_to_the_target(arm, model):
     costs = [Posture(running=100.0, running_speed=1.0), Torque(weight=0.01)]
     free = Movement(
         start_deg=(0, 0), target_deg=(0, 45), duration=0.8, end="free", hold=0.0, speed_limit=(15, 15),
@@ -78,8 +78,8 @@ def test_the_prediction_can_be_read_from_its_port(arm, model):
     np.testing.assert_allclose(predicted.value(0.06).ravel(), now, atol=2e-3)
 
 
-def test_before_the_first_plan_there_is_no_torque_and_no_prediction(arm, skeleton):
-    controller = MakeMpcLoop(arm, RecedingHorizon(skeleton, MOVEMENT, HORIZON)).controller
+def test_before_the_first_plan_there_is_no_torque_and_no_prediction(arm, model):
+    controller = MakeMpcLoop(arm, RecedingHorizon(model, MOVEMENT, HORIZON)).controller
     context = controller.CreateDefaultContext()
     np.testing.assert_array_equal(controller.GetOutputPort("torque").Eval(context), 0.0)
     predicted = controller.GetOutputPort("predicted_state").Eval(context)

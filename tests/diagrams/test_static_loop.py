@@ -1,4 +1,4 @@
-"""The static loop: it follows what the muscles can do, and settles, with and without a load."""
+"""The static loop: it follows a movement that the muscles can make, and holds a posture with and without a load."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ def test_follows_the_timing_movement(task):
 
 
 @pytest.mark.parametrize("load_mass", [0.0, 5.0])
-def test_settles_where_it_is_to_hold(task, load_mass):
+def test_settles_in_the_posture_to_hold(task, load_mass):
     t = np.arange(101) * CONTROL_STEP
     still = np.zeros((len(t), 2))
     held = Reference(t, still + np.deg2rad([-20, 80]), still, still, still)

@@ -1,4 +1,4 @@
-"""The task's start in Drake's own terms: default and random states, and muscles that follow the posture."""
+"""The task's start as Drake's default and random states, muscles that start in equilibrium, and refused states."""
 
 from dataclasses import replace
 
@@ -30,8 +30,8 @@ def muscle_state(muscle_arm, context):
 
 
 @pytest.mark.parametrize("time_step", [0.0, 1e-3])
-def test_muscles_that_nobody_has_set_start_in_equilibrium_with_the_plant(arm, time_step):
-    """To set the positions of the plant is enough; a state of the user's own is kept."""
+def test_muscles_start_in_equilibrium_with_the_plant_by_default(arm, time_step):
+    """It is enough to set the positions of the plant. A muscle state that the user sets is kept."""
     diagram, muscle_arm = make_arm(arm, time_step)
     expected = diagram.CreateDefaultContext()
     muscle_arm.SetState(expected, POSTURE)
@@ -83,9 +83,9 @@ def test_the_default_context_is_the_start_without_noise(task):
 
 
 def test_monte_carlo_draws_different_starts(task):
-    """Posture with the noise of the task; muscles in equilibrium there, so nothing snaps."""
+    """The posture has the noise of the task. The muscles are in equilibrium there, so fibers do not move suddenly."""
     noise = 0.05
-    first_q, first_force = [], []
+    first_q, first_speed = [], []
 
     def make_simulator(generator):
         diagram, systems = MakeTrackingTask(replace(task, start=ReferenceStart(noise=noise)))
@@ -97,7 +97,7 @@ def test_monte_carlo_draws_different_starts(task):
                 plant, muscles = systems.arm.plant, systems.arm.muscles
                 first_q.append(plant.GetPositions(plant.GetMyContextFromRoot(context)))
                 velocity = muscles.GetOutputPort("fiber_velocity").Eval(muscles.GetMyContextFromRoot(context))
-                first_force.append(np.abs(velocity).max())
+                first_speed.append(np.abs(velocity).max())
 
         simulator.set_monitor(monitor)
         return simulator
@@ -109,4 +109,4 @@ def test_monte_carlo_draws_different_starts(task):
     assert len({result.output for result in results}) == 12
     deviation = np.array(first_q) - task.reference.q[0]
     assert 0.3 * noise < deviation.std() < 3.0 * noise
-    assert max(first_force) == 0.0
+    assert max(first_speed) == 0.0

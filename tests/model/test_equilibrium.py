@@ -1,4 +1,4 @@
-"""Equilibria: nothing moves with their excitations, weak muscles are named, and Drake can linearize there."""
+"""Equilibria: nothing moves, postures that cannot be held are refused, and Drake can linearize there."""
 
 from dataclasses import replace
 
@@ -40,7 +40,7 @@ def test_muscles_exert_the_torque_of_gravity_and_the_arm_rests(arm, q, load_mass
 def test_drake_linearizes_at_an_equilibrium(arm):
     """The linear system has the Diagram's derivatives for a small change of the state.
 
-    With muscles whose curves are smooth: that of force and velocity by Thelen (2003) has a corner at rest.
+    The muscles have smooth curves, because the force-velocity curve of Thelen (2003) has a corner at rest.
     """
     arm = replace(arm, muscles=tuple(replace(muscle, model="degroote2016") for muscle in arm.muscles))
     diagram, muscle_arm = make_arm(arm, 0.0)
@@ -51,7 +51,7 @@ def test_drake_linearizes_at_an_equilibrium(arm):
     linear = Linearize(diagram, context)
     assert linear.A().shape == (len(x), len(x)) and np.isfinite(linear.A()).all()
     change = 1e-8 * np.random.default_rng(0).standard_normal(len(x))
-    change[4:18] = 0.0  # activations: at their minimum they have only one derivative to each side
+    change[4:18] = 0.0  # activations: at their minimum the rates have different derivatives on the two sides
     moved = []
     for side in (1.0, -1.0):
         context.SetContinuousState(x + side * change)

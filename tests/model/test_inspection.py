@@ -1,4 +1,4 @@
-"""What an inspection says about an arm, against its splines and the laws of its muscles."""
+"""The results of an inspection agree with the arm's splines and with the equilibria of its muscles."""
 
 from dataclasses import replace
 
@@ -38,7 +38,7 @@ def test_joint_ranges_are_those_of_the_skeleton_file(arm):
     np.testing.assert_allclose(ranges["elbow"], [0, 130], atol=1e-4)
 
 
-def test_a_joint_without_limits_turns_once(arm, tmp_path):
+def test_the_range_of_a_joint_without_limits_is_one_turn(arm, tmp_path):
     skeleton = tmp_path / "skeleton.urdf"
     urdf = arm.skeleton.read_text().replace(
         '<joint name="shoulder" type="revolute">', '<joint name="shoulder" type="continuous">'
@@ -49,7 +49,7 @@ def test_a_joint_without_limits_turns_once(arm, tmp_path):
 
 
 def test_lengths_and_moment_arms_are_those_of_the_splines(inspection):
-    """The splines continue along their tangents, so the extremes of the slope are those inside the knots."""
+    """The splines continue along their tangents, so the extremes of the slope lie inside the knots."""
     for inspected in inspection.muscles:
         splines = {term.coordinate: term.spline for term in inspected.muscle.path}
         assert [c.coordinate for c in inspected.crossings] == [c for c in inspection.ranges if c in splines]
@@ -91,7 +91,7 @@ def test_working_ranges_are_the_equilibria_over_all_joint_angles(arm, inspection
         assert 0.0 < working.tendon_strain.lower < working.tendon_strain.upper < 0.1
 
 
-def test_where_a_muscle_has_no_equilibrium_is_said(arm):
+def test_angles_without_equilibrium_are_reported(arm):
     longer = with_tendon_slack_length(arm, "BIClong", 1.25)
     working = muscle(inspect_arm(longer), "BIClong").working
     assert 0.0 < working.fiber_length.lower < 0.02  # as short as fibers get
@@ -105,13 +105,13 @@ def test_where_a_muscle_has_no_equilibrium_is_said(arm):
     assert elbow.lower == pytest.approx(edge, abs=np.deg2rad(1.0))
 
 
-def test_a_muscle_slack_everywhere_has_no_working_range(arm):
+def test_a_muscle_that_is_slack_everywhere_has_no_working_range(arm):
     working = muscle(inspect_arm(with_tendon_slack_length(arm, "FCU", 1.5)), "FCU").working
     assert working.fiber_length is None and working.tendon_strain is None
     assert (working.slack["elbow"].lower, working.slack["elbow"].upper) == pytest.approx((0.0, np.deg2rad(130)))
 
 
-def test_a_fiber_on_a_rigid_tendon_is_what_the_tendon_leaves_of_the_path(arm):
+def test_a_fiber_on_a_rigid_tendon_takes_the_rest_of_the_path(arm):
     inspected = muscle(inspect_arm(with_muscles(arm, tendon="rigid")), "TRIlat")
     m, crossing = inspected.muscle, inspected.crossings[0]
     fiber = np.hypot(crossing.length - m.tendon_slack_length, m.fiber_width) / m.optimal_fiber_length

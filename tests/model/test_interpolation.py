@@ -1,4 +1,4 @@
-"""Trigonometric polynomials are found from their samples."""
+"""The coefficients of trigonometric polynomials are found from samples."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Families of dataclasses that a file chooses from by `type`: what is read, and what is refused with which words."""
+"""Families of dataclasses, from which a file chooses by `type`: what is read, what is refused, and the messages."""
 
 import dataclasses
 
@@ -47,7 +47,7 @@ def test_a_member_of_the_family_stays_what_it_is():
 
 
 @pytest.mark.parametrize("type_", ["ball", "", None, 3, 1.5, True, [], [[]], {}, {"a": {}}])
-def test_what_is_no_type_is_refused_with_those_that_are(type_):
+def test_an_unknown_type_is_refused_with_a_list_of_the_known_ones(type_):
     with pytest.raises(ValueError, match=r"^type: found .*, expected one of box, circle$") as raised:
         Shape.read({"type": type_, "radius": 1.0})
     assert repr(type_) in str(raised.value)
@@ -59,7 +59,7 @@ def test_a_mapping_without_a_type_is_refused():
 
 
 @pytest.mark.parametrize("value", ["circle", 3, None, ["circle"], Circular()])
-def test_what_is_no_mapping_is_refused(value):
+def test_a_value_that_is_not_a_mapping_is_refused(value):
     with pytest.raises(ValueError, match=r"^found .*, expected a mapping with a type, one of box, circle$"):
         Shape.read(value)
 
@@ -80,7 +80,7 @@ def test_a_wrong_field_is_named_with_its_type(fields, message):
         Shape.read(fields)
 
 
-def test_a_type_belongs_to_one_kind_of_a_family():
+def test_two_kinds_of_a_family_cannot_have_the_same_type():
     with pytest.raises(TypeError, match=r"Disk has the type 'circle' of .*Circle: expected a type of its own"):
 
         class Disk(Shape):
@@ -97,7 +97,7 @@ def test_a_kind_that_derives_from_another_needs_a_type_of_its_own():
 
 
 def test_a_kind_may_be_defined_again():
-    """As in a notebook whose cell runs twice: the last definition counts."""
+    """This happens if a notebook cell runs twice: the last definition counts."""
 
     def define(default: float) -> type:
         @dataclass(frozen=True)

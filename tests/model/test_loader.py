@@ -1,4 +1,4 @@
-"""Loading an arm: what is shipped is right, and what is wrong in a user's folder is named."""
+"""Loading an arm: the shipped arm is that of the paper, and messages name what is wrong in a user's folder."""
 
 import shutil
 from pathlib import Path
@@ -28,7 +28,7 @@ def folder(tmp_path):
     return edit
 
 
-def test_shipped_arm_is_the_papers():
+def test_shipped_arm_is_that_of_the_paper():
     arm = load_arm("arm14")
     assert arm.muscle_names == (
         *("TRIlong", "TRIlat", "TRImed", "BIClong", "BICshort", "BRA", "ANC"),
@@ -122,7 +122,7 @@ def test_unknown_arm_lists_the_known_ones(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["muscles: [", "- a list", ""])
-def test_file_that_is_no_mapping_is_an_error(tmp_path, text):
+def test_file_that_does_not_hold_a_mapping_is_an_error(tmp_path, text):
     (tmp_path / "muscles.yaml").write_text(text)
     with pytest.raises(ArmError, match=r"muscles\.yaml"):
         load_arm(tmp_path)

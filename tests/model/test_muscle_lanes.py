@@ -1,4 +1,4 @@
-"""Muscles side by side are those stepped one arm at a time, whatever their kinds."""
+"""The muscles of many arms, one arm per lane, move like those of each arm alone, for every kind of muscle."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ KINDS = [("thelen2003", "compliant"), ("degroote2016", "compliant"), ("thelen200
 
 
 def mixed_arm():
-    """The arm with muscles of all kinds in turn; rigid tendons need paths longer than themselves."""
+    """The arm with muscles of all kinds. Rigid tendons are made shorter, because they must not exceed their paths."""
     muscles = []
     for i, muscle in enumerate(ARM.muscles):
         model, tendon = KINDS[i % len(KINDS)]
@@ -22,8 +22,8 @@ def mixed_arm():
     return replace(ARM, muscles=tuple(muscles))
 
 
-def test_many_arms_of_mixed_muscles_as_one_by_one():
-    """Over many steps from rest, while the joints move and the excitations jump."""
+def test_many_arms_with_mixed_muscles_step_like_each_arm_alone():
+    """They agree over many steps from rest, while the joints move and the excitations jump."""
     lanes, time_step = 5, 1e-3
     arm, rng = mixed_arm(), np.random.default_rng(0)
     muscles, paths, kinds = arm.muscle_table, arm.path_table, muscle_kinds(arm.muscle_table)

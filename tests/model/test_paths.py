@@ -1,4 +1,4 @@
-"""Path functions: the length is the spline's, the moment arm its negative slope, inside and outside the knots."""
+"""Path functions: lengths are those of the splines, and moment arms minus their slopes, in and outside the knots."""
 
 import numpy as np
 import pytest
@@ -64,8 +64,8 @@ def test_splines_of_any_degree_and_knots(degree):
 
 
 @pytest.mark.parametrize("lanes", [1, 7])
-def test_many_arms_at_once_as_one_by_one(lanes):
-    """While arms move from piece to piece and out of the range, in turn: the same lengths and slopes."""
+def test_many_arms_have_the_paths_of_each_arm_alone(lanes):
+    """Lengths and slopes agree while the arms change pieces of the splines and leave the range of the knots."""
     rng = np.random.default_rng(0)
     paths = ARM.path_table
     pieces = make_path_pieces(paths, lanes)
@@ -91,7 +91,7 @@ def test_known_lengths_and_moment_arms():
 
 
 def test_paths_against_opensim(oracle):
-    """Moment arms differ from OpenSim's by at most 1.4 mm in the fitted range (table: docs/validation.md)."""
+    """In the fitted range, moment arms differ from OpenSim's by at most 1.4 mm (table: docs/validation.md)."""
     grid = oracle("paths_grid.npz")
     rounding = 1e-9
     rows = np.flatnonzero(np.abs(grid["shoulder"] - np.deg2rad(22.5)) <= np.deg2rad(82.5) + rounding)

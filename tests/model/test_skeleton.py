@@ -24,7 +24,7 @@ def at(plant, q, v=(0.0, 0.0)):
     ],
 )
 def test_known_dynamics(arm, elbow_deg, mass_matrix, gravity):
-    """Values of OpenSim 4.6."""
+    """The expected values are those of OpenSim 4.6."""
     plant = MakeTorqueArm(arm)
     context = at(plant, [0.0, np.deg2rad(elbow_deg)])
     np.testing.assert_allclose(plant.CalcMassMatrix(context), mass_matrix, atol=1e-6)
@@ -49,7 +49,7 @@ def test_dynamics_against_opensim(arm, oracle):
     assert max(errors.values()) < 1e-9
 
 
-def test_bodies_keep_their_names_and_the_hand_its_frames(arm):
+def test_bodies_have_their_opensim_names_and_the_hand_has_its_frames(arm):
     plant = MakeTorqueArm(arm)
     for body in ("base", "r_humerus", "ulna", "radius", "proximal_row", "hand"):
         assert plant.HasBodyNamed(body)
@@ -60,7 +60,7 @@ def test_bodies_keep_their_names_and_the_hand_its_frames(arm):
 
 
 @pytest.mark.parametrize("mass", [1.0, 20.0])
-def test_load_weighs_at_the_grip(arm, mass):
+def test_load_hangs_at_the_grip(arm, mass):
     """The torque that a load adds is its weight times the horizontal distance from grip to joint axis."""
     empty, loaded = MakeTorqueArm(arm), MakeTorqueArm(arm, load_mass=mass)
     q = [0.2, 1.3]

@@ -1,4 +1,4 @@
-"""Static optimization: it exerts what is asked, with the least activations, and knows where strength ends."""
+"""Static optimization: it exerts the given torques with the least activations, and finds the limits of strength."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ def optimize(arm, q, v, tau):
 
 
 def exerted(arm, a, q, v):
-    """Torque (n_q,) of steady muscles."""
+    """Torque (n_q,), Nm, of muscles whose tendons keep their strain (see `steady_force`)."""
     length, moment_arm = muscle_geometry(q, arm.muscle_table, arm.path_table)
     muscles = enumerate(arm.muscle_table.view(np.recarray))
     force = [steady_force(a[i], length[i], mtu_velocity(i, moment_arm, v), 0.1, m)[0] for i, m in muscles]
@@ -44,7 +44,7 @@ def test_activations_hold_a_posture_with_muscles_in_equilibrium(arm, q):
     np.testing.assert_allclose(actual, tau, atol=1e-3)
 
 
-def test_reserve_is_what_the_activations_leave(any_arm):
+def test_muscles_and_reserve_together_exert_the_torque(any_arm):
     rng = np.random.default_rng(0)
     for _ in range(30):
         q, v, tau = rng.uniform([-0.9, 0.1], [0.5, 2.0]), rng.normal(size=2), 20.0 * rng.normal(size=2)
@@ -71,7 +71,7 @@ def test_no_smaller_activations_exert_the_torque(arm, q):
     assert a @ a <= best.fun + 1e-4
 
 
-def test_force_slope_is_the_derivative_by_activation(any_arm):
+def test_force_slope_is_the_derivative_with_respect_to_activation(any_arm):
     rng, h = np.random.default_rng(1), 1e-5
     for _ in range(20):
         length, moment_arm = muscle_geometry(
@@ -85,7 +85,7 @@ def test_force_slope_is_the_derivative_by_activation(any_arm):
             np.testing.assert_allclose((above - below) / (2 * h), slope, rtol=1e-3, atol=1e-3 * m.max_isometric_force)
 
 
-# OpenSim's wrapped paths have other moment arms than the smooth ones, by up to 1.4 mm: hence the tolerance.
+# The moment arms of OpenSim's wrapped paths differ from those of the splines by up to 1.4 mm. Hence the tolerance.
 @pytest.mark.parametrize("shoulder, elbow", [(0, 90), (-30, 90), (-20, 80), (0, 0), (-45, 60), (20, 0), (0, 60)])
 def test_largest_held_mass_is_that_of_opensim(arm, oracle, shoulder, elbow):
     strength = oracle("static_strength.npz")
@@ -98,12 +98,12 @@ def test_largest_held_mass_is_that_of_opensim(arm, oracle, shoulder, elbow):
         assert (np.abs(reserve).max() < 0.01) == held
 
 
-def test_excitation_brings_the_activation_there_in_one_step(arm):
+def test_excitations_bring_the_activations_to_the_desired_ones_in_one_step(arm):
     muscles = arm.muscle_table.view(np.recarray)
-    activation, wanted = np.full(14, 0.3), np.linspace(0.25, 0.4, 14)
-    excitation = excitations_to_reach(wanted, activation, 0.01, arm.muscle_table)
+    activation, desired = np.full(14, 0.3), np.linspace(0.25, 0.4, 14)
+    excitation = excitations_to_reach(desired, activation, 0.01, arm.muscle_table)
     for _ in range(10):
         activation = np.array(
             [activation_step(a, u, 0.001, m) for a, u, m in zip(activation, excitation, muscles, strict=True)]
         )
-    np.testing.assert_allclose(activation, wanted, atol=0.015)
+    np.testing.assert_allclose(activation, desired, atol=0.015)

@@ -24,7 +24,7 @@ def test_rate_against_opensim(oracle):
     table = oracle("muscle_curves.npz")
     for i, a in enumerate(table["act_a"]):
         for j, u in enumerate(table["act_u"]):
-            if a >= 0.01 and 0.01 <= u <= 1.0:  # drakearm clamps excitations, and activations never leave the range
+            if a >= 0.01 and 0.01 <= u <= 1.0:  # drakearm clamps excitations, so activations stay in this range
                 assert activation_rate(a, u, M)[0] == pytest.approx(table["act_adot"][i, j], abs=1e-9)
 
 

@@ -1,4 +1,4 @@
-"""Compiled functions: cached for each processor where there is a place for it, and working where there is none."""
+"""Compiled functions are cached, separately for each processor, and also run if no cache can be written."""
 
 import os
 import subprocess
@@ -14,10 +14,10 @@ print(velocity_scale(1.0, None))
 
 
 @pytest.mark.parametrize("writable", [True, False])
-def test_it_runs_with_and_without_a_place_to_cache(tmp_path, writable):
+def test_functions_run_with_and_without_a_writable_cache(tmp_path, writable):
     folder = tmp_path / "cache"
     if not writable:
-        folder.write_text("a file, where a folder would have to be")
+        folder.write_text("a file in the place of the folder")
     run = subprocess.run(
         [sys.executable, "-c", SCRIPT],
         cwd=tmp_path,
@@ -27,7 +27,7 @@ def test_it_runs_with_and_without_a_place_to_cache(tmp_path, writable):
     )
     assert run.stdout.strip() == "(1.0, 0.75)", run.stderr
     if writable:
-        (state,) = folder.iterdir()  # one folder for the present state of the sources
+        (state,) = folder.iterdir()  # one folder for the present source files
         assert list(state.rglob("*velocity_scale*.nbc"))
 
 

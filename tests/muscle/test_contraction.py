@@ -1,4 +1,4 @@
-"""Contraction dynamics: OpenSim's velocities, forces and equilibria; derivatives; the implicit step."""
+"""Contraction dynamics: velocities, forces and equilibria against OpenSim, derivatives, and the implicit step."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ activations = st.floats(0.01, 1.0)
 
 
 def length_at(i, stretch):
-    """A musculotendon length: tendon slack and fiber `stretch` times the optimal length."""
+    """The musculotendon length with the tendon at its slack length and the fiber at stretch * its optimal length."""
     m = ARM.muscle_table[i]
     along = np.sqrt(max((stretch * m["optimal_fiber_length"]) ** 2 - m["fiber_width"] ** 2, 0.0))
     return m["tendon_slack_length"] + along
@@ -36,7 +36,7 @@ def test_known_state_of_rest():
 @given(muscles, activations, st.floats(0.6, 1.5), st.floats(0.98, 1.03))
 def test_slopes_are_derivatives(i, a, stretch, tension):
     m = ARM.muscle_table[i]
-    assume(abs(stretch - 1.0) > 1e-4 and abs(tension - 1.0) > 1e-4)  # kinks of passive and tendon force
+    assume(abs(stretch - 1.0) > 1e-4 and abs(tension - 1.0) > 1e-4)  # passive force and tendon force have kinks there
     point = np.array([a, stretch * m["optimal_fiber_length"], length_at(i, stretch) * tension])
     _, *slopes = fiber_velocity(*point, m)
     _, *force_slopes = tendon_force(*point[1:], m)
@@ -45,7 +45,7 @@ def test_slopes_are_derivatives(i, a, stretch, tension):
 
 
 def assert_slopes(function, point, slopes):
-    """Each slope lies between the one-sided differences: at a kink they are two, elsewhere nearly one."""
+    """Each slope lies between the two one-sided differences, which are nearly equal except at a kink."""
     for j, slope in enumerate(slopes):
         step = 1e-7 * np.eye(len(point))[j]
         ahead = (function(point + step) - function(point)) / 1e-7
@@ -64,7 +64,7 @@ def test_fiber_rests_at_its_equilibrium(i, a, stretch):
     assert abs(velocity) <= abs(slope) * 1e-9 + 1e-12  # within 1 nm of rest
 
 
-def test_no_equilibrium_of_a_path_shorter_than_the_tendon():
+def test_a_path_shorter_than_the_tendon_has_no_equilibrium():
     for m in ARM.muscle_table:
         assert np.isnan(equilibrium_fiber_length(0.5, 0.9 * m["tendon_slack_length"], m))
 
@@ -132,7 +132,7 @@ def test_equilibria_and_forces_against_opensim(oracle):
 
 
 def test_fiber_velocity_against_opensim(oracle):
-    """A pennated muscle at 4000 states: relative error of velocity and tendon force."""
+    """A pennated muscle in 4000 states: the relative errors of velocity and tendon force are small."""
     table = oracle("muscle_curves.npz")
     force, optimal, slack, _ = table["pennated_rig_params"]
     m = ARM.muscle_table[ARM.muscle_names.index("TRIlong")]

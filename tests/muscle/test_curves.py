@@ -1,4 +1,4 @@
-"""The curves of the Thelen (2003) muscle: known values, laws, OpenSim's own evaluation, and their derivatives."""
+"""The curves of the Thelen (2003) muscle: known values, laws, derivatives, and values computed by OpenSim."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_known_values(m):
 )
 def test_slope_is_the_derivative(m, curve, low, high):
     step = 1e-7
-    for x in np.linspace(low, high, 1001):  # hits none of the kinks
+    for x in np.linspace(low, high, 1001):  # none of these points is a kink
         slope = (curve(x + step, m)[0] - curve(x - step, m)[0]) / (2 * step)
         assert curve(x, m)[1] == pytest.approx(slope, rel=1e-4, abs=1e-4) or abs(x - 1.0) < 1e-6
 

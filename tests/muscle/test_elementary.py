@@ -1,4 +1,4 @@
-"""Own elementary functions agree with those of the C library."""
+"""The elementary functions of drakearm agree with those of NumPy."""
 
 import math
 

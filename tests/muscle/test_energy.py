@@ -25,7 +25,7 @@ def probe():
 
 
 def in_every_state(function, probe):
-    """function(state, m) of every stored state, where state is a dictionary of numbers: (samples, 14, ...)."""
+    """function(state, m) for every stored state: (samples, 14, ...). state is a dictionary of numbers by name."""
     samples, n = probe["excitation"].shape
     assert n == len(MUSCLES)
     numbers = {name: values for name, values in probe.items() if name != "muscles"}
@@ -38,13 +38,13 @@ def in_every_state(function, probe):
 
 
 def arguments(state):
-    """Of `metabolic_power` and `metabolic_rates`, but for the muscle, with the forces and velocity of OpenSim."""
+    """Arguments of `metabolic_power` and `metabolic_rates` except the muscle, with OpenSim's forces and velocity."""
     names = ("activation", "excitation", "fiber_length", "fiber_velocity", "active_force", "passive_force")
     return [state[name] for name in names]
 
 
 def test_the_stored_states_reach_every_case(probe):
-    """Both directions and rest, all pieces of the maintenance heat, both limits, and the ends of the excitation."""
+    """Shortening, lengthening and rest; all pieces of the maintenance heat; both limits; excitations of 0 and 1."""
     assert tuple(probe["muscles"]) == load_arm("arm14").muscle_names
     velocity, total = probe["fiber_velocity"], probe["total_rate"]
     heat = sum(probe[part] for part in PARTS[:3])
@@ -84,8 +84,8 @@ def test_the_total_is_that_of_the_probe(probe):
     assert error.max() < TOLERANCE
 
 
-def test_from_the_state_alone(probe):
-    """The same with drakearm's own forces and velocities of the fibers, as HillMuscles computes its output."""
+def test_the_total_is_that_of_the_probe_with_forces_and_velocities_of_drakearm(probe):
+    """This is how HillMuscles computes its output."""
 
     def power(state, m):
         fiber, mtu_length = state["fiber_length"], state["mtu_length"]

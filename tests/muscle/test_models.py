@@ -1,4 +1,4 @@
-"""What every choice of model and tendon has in common, and the powers."""
+"""Laws of every muscle model and both kinds of tendon, and the powers of a muscle."""
 
 import math
 from dataclasses import replace
@@ -26,7 +26,7 @@ def table(model, tendon="compliant"):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_key_points(model):
-    """Isometric force at optimal length, tendon force at its strain, rest at the isometric force."""
+    """Forces are 1 at optimal length and at the given strains; a fiber that exerts the isometric force stays still."""
     m = table(model)[0]
     assert models.active_force_length(1.0, m)[0] == pytest.approx(1.0)
     assert models.passive_force_length(1.6, m)[0] == pytest.approx(1.0)
@@ -74,7 +74,7 @@ def test_velocity_and_both_its_slopes(model, active, isometric):
     ids=lambda curve: curve.__name__,
 )
 def test_degroote_curves_have_no_kinks(curve):
-    """Their slopes are derivatives, and have no jumps: halving the distance halves the change of slope."""
+    """Their slopes are derivatives and have no jumps: between neighboring points of a fine grid they change little."""
     m = table("degroote2016")[0]
     ranges = {"tendon_force_strain": (-0.01, 0.06), "velocity_of_ratio": (-0.4, 2.2)}
     low, high = ranges.get(curve.__name__, (0.3, 1.8))
@@ -93,7 +93,7 @@ def test_degroote_curves_have_no_kinks(curve):
     st.floats(0.01, 1.0),
     st.floats(0.5, 1.5),
 )
-def test_equilibrium_is_where_fiber_and_tendon_pull_alike(model, tendon, i, a, stretch):
+def test_in_equilibrium_fiber_and_tendon_exert_the_same_force(model, tendon, i, a, stretch):
     m = table(model, tendon)[i]
     length = max(stretch * m["optimal_fiber_length"], 1.05 * m["minimum_fiber_length"])
     mtu_length = m["tendon_slack_length"] * 1.01 + np.sqrt(length**2 - m["fiber_width"] ** 2)
@@ -110,7 +110,7 @@ def test_equilibrium_is_where_fiber_and_tendon_pull_alike(model, tendon, i, a, s
     assert pull == pytest.approx(isometric * m["max_isometric_force"] * cosine, rel=1e-5, abs=1e-4)
 
 
-def test_power_of_fiber_and_tendon_is_that_of_the_whole():
+def test_powers_of_fiber_and_tendon_add_up_to_that_of_the_muscle():
     m = ARM.muscle_table[0]
     fiber, tendon = fiber_and_tendon_power(0.12, -0.3, -0.5, 400.0, m)
     assert fiber + tendon == pytest.approx(400.0 * 0.5)
@@ -119,7 +119,7 @@ def test_power_of_fiber_and_tendon_is_that_of_the_whole():
 
 
 def test_metabolic_power_by_hand():
-    """Isometric at optimal length and full activation, half slow fibers: heat of activation plus maintenance."""
+    """At optimal length and full activation, with half slow fibers: heat of activation and maintenance at rest."""
     m = ARM.muscle_table[0]
     optimal, force = m["optimal_fiber_length"], m["max_isometric_force"]
     mass = 1059.7 * force / 0.25e6 * optimal

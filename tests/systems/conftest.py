@@ -1,11 +1,11 @@
-"""Helpers for tests that fix the inputs of a system and evaluate its outputs."""
+"""A fixture for tests that fix the inputs of a system and evaluate its outputs."""
 
 import pytest
 
 
 @pytest.fixture
 def outputs():
-    """Evaluates the named output ports of a system with the given inputs; `context` may be prepared before."""
+    """A function that evaluates named output ports of a system with given inputs, by default in a new context."""
 
     def evaluate(system, inputs, names, context=None):
         context = context or system.CreateDefaultContext()

@@ -1,4 +1,4 @@
-"""CompiledSkeleton: what the plant that it was derived from computes, in double, in AutoDiffXd and simulated."""
+"""CompiledSkeleton agrees with the plant from which it is derived: rates, gradients and simulations."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_same_derivatives_as_the_plant(plant):
 
 @pytest.mark.parametrize("columns", [6, 13])
 def test_same_gradients_as_the_plant(plant, columns):
-    """Of any incoming gradient, as in a collocation, where state and torque depend on 13 variables."""
+    """The inputs may have any gradients: in a collocation, state and torque depend on 13 variables."""
     systems = plant.ToAutoDiffXd(), CompiledSkeleton(read_dynamics(plant)).ToAutoDiffXd()
     ports = systems[0].get_actuation_input_port(), systems[1].GetInputPort("torque")
     rng = np.random.default_rng(0)
@@ -49,7 +49,7 @@ def test_same_gradients_as_the_plant(plant, columns):
         np.testing.assert_allclose(ExtractGradient(actual), ExtractGradient(expected), rtol=0.0, atol=1e-9 * scale)
 
 
-def test_converted_to_autodiff_it_also_takes_numbers_without_gradients(plant):
+def test_in_autodiff_it_also_takes_numbers_without_gradients(plant):
     skeleton = CompiledSkeleton(read_dynamics(plant))
     point = np.array([0.3, 1.2, -1.0, 2.0, 4.0, -1.0])
     constant = InitializeAutoDiff(point, np.zeros((6, 0))).ravel()
@@ -60,7 +60,7 @@ def test_converted_to_autodiff_it_also_takes_numbers_without_gradients(plant):
 
 
 def simulate(system, port) -> np.ndarray:
-    """The states (11, 4) over half a second of changing torques, from a bent arm that swings."""
+    """The states (11, 4) during half a second of changing torques. The arm starts bent and in motion."""
     builder = DiagramBuilder()
     builder.AddSystem(system)
     torques = np.array([[0.0, 5.0, -3.0], [0.0, -2.0, 4.0]])

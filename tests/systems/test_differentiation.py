@@ -18,7 +18,7 @@ KINDS = [(model, tendon) for model in ("thelen2003", "degroote2016") for tendon 
 
 
 def with_muscles(arm, model, tendon):
-    """The arm with every muscle of another model or tendon; rigid ones need paths longer than their tendons."""
+    """The arm with this model and tendon. Rigid tendons are made shorter, because they must not exceed their paths."""
     muscles = [
         replace(
             m,
@@ -70,7 +70,7 @@ def make_arm(arm, time_step=0.0):
 
 
 def equilibrium(arm, excitation):
-    """A context of the whole arm at rest: joint angles at which muscles and gravity balance."""
+    """The Diagram, and its context at joint angles at which the muscles balance gravity."""
     diagram, muscle_arm = make_arm(arm)
     context = diagram.CreateDefaultContext()
     diagram.GetInputPort("excitation").FixValue(context, excitation)
@@ -86,9 +86,10 @@ def equilibrium(arm, excitation):
 
 @pytest.mark.parametrize("model", ["thelen2003", "degroote2016"])
 def test_diagram_converts_and_its_linearization_agrees_with_differences(arm, model):
-    """At rest activation dynamics has a kink, and so has Thelen's force-velocity curve.
+    """The linearization lies between the differences ahead and behind, which are equal except at a kink.
 
-    There the linearization takes one side: it lies between the differences ahead and behind, elsewhere equal.
+    At rest the activation dynamics has a kink, and Thelen's force-velocity curve too. There the linearization takes one
+    side.
     """
     excitation = np.full(14, 0.02)
     excitation[5] = 0.15
@@ -112,7 +113,7 @@ def test_diagram_converts_and_its_linearization_agrees_with_differences(arm, mod
     assert smooth >= (18 if model == "degroote2016" else 2)  # all but the activations; q and v at least
 
 
-def test_discrete_arm_converts_too_but_says_that_it_does_not_step(arm):
+def test_discrete_arm_converts_but_refuses_to_step(arm):
     diagram, _ = make_arm(arm, time_step=1e-3)
     converted = diagram.ToAutoDiffXd()
     context = converted.CreateDefaultContext()
@@ -121,13 +122,13 @@ def test_discrete_arm_converts_too_but_says_that_it_does_not_step(arm):
         converted.EvalUniquePeriodicDiscreteUpdate(context)
 
 
-def test_output_without_derivatives_says_so(arm):
+def test_output_without_derivatives_is_refused(arm):
     muscles = HillMuscles(arm, 0.0).ToAutoDiffXd()
     with pytest.raises(DerivativeError, match="metabolic_power"):
         muscles.GetOutputPort("metabolic_power").Eval(muscles.CreateDefaultContext())
 
 
-def test_stops_differentiate():
+def test_stops_have_known_derivatives():
     stops = JointStops([-1.0, 0.0], [1.0, 2.0], 0.0)
     differentiated = stops.ToAutoDiffXd()
     context = differentiated.CreateDefaultContext()

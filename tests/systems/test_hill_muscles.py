@@ -1,4 +1,4 @@
-"""HillMuscles: outputs at rest, both kinds of state, OpenSim's statics and whole simulations."""
+"""HillMuscles: ports, outputs at rest, both kinds of state, statics against OpenSim, and whole simulations."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_equilibrium_pulls_with_moment_arm_times_tendon_force(arm, outputs, time
 
 @pytest.mark.parametrize("time_step", [0.0, 1e-3])
 def test_rest_stays_at_rest(arm, time_step):
-    """With excitation equal to activation and joints that do not move nothing changes."""
+    """Nothing changes if the excitations equal the activations and the joints do not move."""
     builder = DiagramBuilder()
     muscles = builder.AddSystem(HillMuscles(arm, time_step))
     for name, value in (("excitation", np.full(N, 0.2)), ("arm_state", np.array([0.1, 0.9, 0.0, 0.0]))):
@@ -90,7 +90,7 @@ def simulate(arm, time_step, excitation, q, duration):
     return muscle_arm.plant.GetPositions(muscle_arm.plant.GetMyContextFromRoot(context))
 
 
-def test_discrete_approaches_continuous_with_the_square_of_the_step(arm):
+def test_error_of_discrete_muscles_falls_with_the_square_of_the_step(arm):
     excitation = np.full(N, 0.05)
     excitation[[3, 4, 5]] = 0.4  # not long enough to reach a stop
     q = np.array([0.1, 0.6])
@@ -102,7 +102,7 @@ def test_discrete_approaches_continuous_with_the_square_of_the_step(arm):
 
 
 def test_statics_against_opensim(arm, outputs, oracle):
-    """Generalized force in 150 postures: OpenSim's tendon forces, on the spline paths' moment arms."""
+    """In 40 postures the tendon forces are those of OpenSim, where the spline path has the same length."""
     statics = oracle("statics.npz")
     muscles = HillMuscles(arm, 0.0)
     context = muscles.CreateDefaultContext()
@@ -113,4 +113,4 @@ def test_statics_against_opensim(arm, outputs, oracle):
         force, length = outputs(muscles, inputs, ["tendon_force", "mtu_length"], context)
         same = np.abs(length - statics["mtu_length"][k]) < 1e-5
         difference = np.abs(force - statics["tendon_force"][k])[same] / arm.muscle_table["max_isometric_force"][same]
-        assert (difference < 0.02).all()  # 1e-5 m of path are 0.7 % of F_max in the stiffest tendon
+        assert (difference < 0.02).all()  # 1e-5 m of path change the force of the stiffest tendon by 0.7 % of F_max

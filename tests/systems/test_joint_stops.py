@@ -1,4 +1,4 @@
-"""JointStops: nothing inside the range, outward motion resisted, energy never added."""
+"""JointStops: no torque inside the range, resistance to outward motion, and no energy added."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def test_torque_points_into_the_range(q0, q1, v0, v1):
 @settings(deadline=None)
 @given(angles, angles, speeds, speeds)
 def test_power_never_exceeds_that_of_the_spring(q0, q1, v0, v1):
-    """What the spring releases is what it took, so a stop never adds energy."""
+    """The spring only releases energy that it has stored, so a stop never adds energy."""
     q, v = np.array([q0, q1]), np.array([v0, v1])
     depth = np.maximum(q - UPPER, 0.0) - np.maximum(LOWER - q, 0.0)
     spring = -STOP_STIFFNESS * depth * (1.0 + (depth / HARDENING) ** 2)
@@ -54,7 +54,7 @@ def test_output_port(outputs, time_step):
 
 
 def test_arm_that_falls_onto_its_stop_is_held(arm):
-    """The bent arm drops: the elbow must not hyperextend by more than a few degrees."""
+    """The bent arm falls. Its elbow must not hyperextend by more than 5 degrees."""
     builder = DiagramBuilder()
     muscle_arm = AddMuscleArm(builder, arm, load_mass=2.0)
     builder.ExportInput(muscle_arm.muscles.GetInputPort("excitation"), "excitation")

@@ -1,4 +1,4 @@
-"""Laws of the drawn muscles: where their pieces are, what color they have, what moves them."""
+"""The drawn muscles: the positions of their pieces, their colors, and their motion in a Diagram."""
 
 import re
 import struct
@@ -118,7 +118,7 @@ def test_a_diagram_moves_the_muscles(arm: Arm, meshcat: Meshcat) -> None:
 
 
 def _scene(meshcat: Meshcat) -> dict[tuple[str, str], np.ndarray]:
-    """The numbers of every transform ("matrix", by columns) and property, by path and name."""
+    """The numbers of every transform ("matrix", in column order) and property in the scene, by path and name."""
     scene = {}
     for code in re.findall(r'fetch\("data:[^,"]*,([^"]*)"', meshcat.StaticHtml()):
         command = b64decode(code)  # msgpack

@@ -1,4 +1,4 @@
-"""Proprioception, TrackingReward and PolicyController: what they put out for known inputs."""
+"""Proprioception, TrackingReward and PolicyController: their outputs for known inputs."""
 
 from dataclasses import replace
 
@@ -36,7 +36,7 @@ def test_full_observation_adds_activation_joints_and_preview(task, outputs):
     np.testing.assert_allclose(observation[46:], [0, 1, 2, 3, 4, 5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1])
 
 
-def test_reward_is_equation_6(task, outputs):
+def test_reward_is_equation_6_of_the_paper(task, outputs):
     weights = RewardWeights(position=(1.0, 2.0), velocity=(0.1, 0.2), acceleration=(0.01, 0.02))
     inputs = {
         "arm_state": [0.1, 0.2, 1.0, 2.0],
@@ -49,8 +49,8 @@ def test_reward_is_equation_6(task, outputs):
     np.testing.assert_allclose(error, [-0.3, 0.2])
 
 
-def test_policy_decides_at_control_steps_and_holds_in_between():
-    """A policy that passes on its observation, a ramp: the output is the ramp at the last control step."""
+def test_policy_decides_at_control_steps_and_holds_its_excitations_in_between():
+    """The policy returns its observation, a ramp. So the output is the ramp at the last control step."""
     builder = DiagramBuilder()
     ramp = builder.AddSystem(TrajectorySource(PiecewisePolynomial.FirstOrderHold([0.0, 1.0], [[0.0, 1.0]])))
     controller = builder.AddSystem(PolicyController(lambda observation: observation, 1, 1, 0.01))
