@@ -1,4 +1,4 @@
-"""The environments in which a scenario is learned, alone or many at once."""
+"""The environments of scenarios: a single one, or many in one vector environment."""
 
 from collections.abc import Sequence
 from functools import lru_cache, partial
@@ -17,36 +17,89 @@ from drakearm.task import TrackingTask
 
 
 def make_env(scenario: str | Path, reference: Reference | None = None) -> DiagramEnv:
-    """The environment of a scenario (name or file), with its own plan as reference unless one is given.
+    """The environment of a scenario (name or file): a Drake Diagram in which the muscles follow a planned movement.
 
-    This is what `gymnasium.make("drakearm/Track-v0", scenario=...)` makes.
+    `gymnasium.make("drakearm/Track-v0", scenario=...)` makes it. reference: the movement to follow; without one, the
+    scenario is planned. The tables are for scenarios with the arm `arm14`, as all shipped ones are. The muscles are, in
+    this order: TRIlong, TRIlat, TRImed, BIClong, BICshort, BRA, ANC, BRD, ECRL, ECRB, ECU, FCR, FCU, PL.
+
+    Action: `Box(0, 1, (14,), float32)`, held for one control step of 0.01 s.
+
+    | index | action                 | min | max | unit |
+    |-------|------------------------|-----|-----|------|
+    | 0-13  | excitation, per muscle | 0   | 1   | 1    |
+
+    Observation: `Box(-inf, inf, (58,), float32)` with the set `full`, which all shipped scenarios have. With the set
+    `paper`, as in `preset: paper`, it is `Box(-inf, inf, (28,), float32)` and has only the first two rows.
+
+    | index | sense            | observation                                               | min    | max   | unit |
+    |-------|------------------|-----------------------------------------------------------|--------|-------|------|
+    | 0-13  | `fiber_length`   | fiber length / optimal fiber length, per muscle           | 0.01   | inf   | 1    |
+    | 14-27 | `fiber_velocity` | fiber velocity / maximum contraction velocity, per muscle | -inf   | inf   | 1    |
+    | 28-41 | `activation`     | activation, per muscle                                    | 0.01   | 1     | 1    |
+    | 42    | `arm_state`      | q of the shoulder                                         | -1.571 | 3.142 | rad  |
+    | 43    | `arm_state`      | q of the elbow                                            | 0      | 2.269 | rad  |
+    | 44    | `arm_state`      | 0.1 s/rad times v of the shoulder                         | -inf   | inf   | 1    |
+    | 45    | `arm_state`      | 0.1 s/rad times v of the elbow                            | -inf   | inf   | 1    |
+    | 46    | `preview_q`      | desired q of the shoulder now                             | -1.571 | 3.142 | rad  |
+    | 47    | `preview_q`      | desired q of the elbow now                                | 0      | 2.269 | rad  |
+    | 48    | `preview_q`      | desired q of the shoulder in 0.03 s                       | -1.571 | 3.142 | rad  |
+    | 49    | `preview_q`      | desired q of the elbow in 0.03 s                          | 0      | 2.269 | rad  |
+    | 50    | `preview_q`      | desired q of the shoulder in 0.08 s                       | -1.571 | 3.142 | rad  |
+    | 51    | `preview_q`      | desired q of the elbow in 0.08 s                          | 0      | 2.269 | rad  |
+    | 52    | `preview_v`      | 0.1 s/rad times desired v of the shoulder now             | -1.5   | 1.5   | 1    |
+    | 53    | `preview_v`      | 0.1 s/rad times desired v of the elbow now                | -1.5   | 1.5   | 1    |
+    | 54    | `preview_v`      | 0.1 s/rad times desired v of the shoulder in 0.03 s       | -1.5   | 1.5   | 1    |
+    | 55    | `preview_v`      | 0.1 s/rad times desired v of the elbow in 0.03 s          | -1.5   | 1.5   | 1    |
+    | 56    | `preview_v`      | 0.1 s/rad times desired v of the shoulder in 0.08 s       | -1.5   | 1.5   | 1    |
+    | 57    | `preview_v`      | 0.1 s/rad times desired v of the elbow in 0.08 s          | -1.5   | 1.5   | 1    |
+
+    Fiber velocities are positive if the fiber lengthens. The limits of q are the joint ranges; the stops there are
+    elastic, so q can exceed them slightly. The limits of desired q and v are those of the plan: the joint ranges, and
+    the `speed_limit` of the shipped scenarios, 15 rad/s.
+
+    Reward: a number, at most 0, computed from the angles q, speeds v and accelerations a of all joints j at the end of
+    the step, with the weights of `tracking.reward` in the scenario (Denizdurduran et al. 2022, eq. 6):
+
+        reward = -sum_j (position_j (q_d,j - q_j)^2 + velocity_j (v_d,j - v_j)^2 + acceleration_j a_j^2)
+
+    | weight       | shipped scenarios | unit      |
+    |--------------|-------------------|-----------|
+    | position     | 10                | 1/rad^2   |
+    | velocity     | 0.1               | s^2/rad^2 |
+    | acceleration | 1e-6              | s^4/rad^2 |
+
+    An episode starts at rest at the first posture of the reference, with noise of `start_noise_deg` on the angles and
+    with activations of 0.05. It is truncated at the end of the reference and never terminated. `info` has `arm_state`
+    (q and v, not scaled), `tracking_error` (q minus desired q, rad) and `activation`.
     """
     return make_task_env(scenario_task(scenario, reference))
 
 
 def make_vector_env(scenario: str | Path | Sequence[str | Path], num_envs: int) -> ArmVectorEnv:
-    """Environments of one scenario (name or file) or, round-robin, of several; each follows its own plan.
+    """Environments of one scenario (name or file), or of several that are assigned round-robin.
 
-    This is what `gymnasium.make_vec("drakearm/Track-v0", num_envs=..., scenario=...)` makes.
+    Each environment follows the plan of its scenario. `gymnasium.make_vec("drakearm/Track-v0", num_envs=...,
+    scenario=...)` makes them. Spaces and rewards are those of `make_env`.
     """
     scenarios = [scenario] if isinstance(scenario, str | Path) else scenario
     return ArmVectorEnv([scenario_task(one) for one in scenarios], num_envs)
 
 
 def scenario_task(scenario: str | Path, reference: Reference | None = None) -> TrackingTask:
-    """The task of a scenario (name or file), with its own plan as reference unless one is given."""
+    """The task of a scenario (name or file). Without a reference, the scenario is planned."""
     return load_scenario(scenario).task(reference or _planned(scenario))
 
 
 def make_task_env(task: TrackingTask) -> DiagramEnv:
-    """The environment of a task: one episode is the reference from start to end."""
+    """The environment of a task. An episode lasts until the end of the reference."""
     diagram, systems = MakeTrackingTask(task)
     episode_steps = len(task.reference.t) - 1
     return DiagramEnv(diagram, systems.Reset, control_step=CONTROL_STEP, episode_steps=episode_steps)
 
 
 def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:
-    """`count` environments of a task."""
+    """A vector environment with `count` environments of a task."""
     if kind is EnvKind.compiled:
         return ArmVectorEnv(task, count)
     warm_up = make_task_env(task)  # compiles the muscles once, before the processes fork

@@ -14,23 +14,23 @@ from drakearm.model.recording import Recording
 from drakearm.task import TrackingTask
 
 STOCHASTIC_RUNS = 10
-SUCCESS = 0.1  # rad: a run counts as a success if the mean error of every joint stays below
+SUCCESS = 0.1  # rad: a run is a success if the mean error of every joint is smaller
 _PACKAGES = ("drakearm", "drake", "torch", "numpy", "numba", "gymnasium")
 
 
 def run_policy(task: TrackingTask, policy: Policy) -> Recording:
-    """One closed-loop run with the policy's mean excitations, from the exact start."""
+    """One closed-loop run with the policy's mean excitations, from the start without noise."""
     return MakePolicyLoop(task, policy.act).Run()
 
 
 def run_policy_stochastic(task: TrackingTask, policy: Policy, seed: int) -> list[Recording]:
-    """STOCHASTIC_RUNS closed-loop runs with sampled excitations, each from its own random start."""
+    """STOCHASTIC_RUNS closed-loop runs with excitations that are sampled from the policy, each from a random start."""
     generators = [np.random.default_rng([seed, run]) for run in range(STOCHASTIC_RUNS)]
     return [MakePolicyLoop(task, partial(policy.act, rng=rng)).Run(rng) for rng in generators]
 
 
 def tracking_metrics(deterministic: Recording, stochastic: Sequence[Recording]) -> dict[str, Any]:
-    """The deterministic run's errors in rad, one per joint, and those of the stochastic runs."""
+    """The tracking errors, rad, one per joint, of the deterministic run and of the stochastic runs."""
     error = _error(deterministic)
     means = np.array([_error(run).mean(axis=0) for run in stochastic])
     return {
@@ -46,7 +46,7 @@ def tracking_metrics(deterministic: Recording, stochastic: Sequence[Recording]) 
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that decide the numbers."""
+    """Versions of Python and of the packages on which the numbers depend."""
     return {"python": python_version()} | {package: version(package) for package in _PACKAGES}
 
 

@@ -1,4 +1,4 @@
-"""A run folder: all files of one run of a scenario, and enough to repeat it."""
+"""A run folder: all files of one run of a scenario. They are enough to repeat the run."""
 
 import json
 import re
@@ -19,10 +19,10 @@ class RunFolder:
 
     FILES = {  # noqa: RUF012
         "scenario": "scenario.yaml",  # a copy of the scenario's file
-        "reference": "reference.npz",  # Reference: what the joints should do
-        "plan": "plan.json",  # how it was found, its costs and margins, and whether the muscles can do it
+        "reference": "reference.npz",  # Reference: the desired movement of the joints
+        "plan": "plan.json",  # how it was found, its costs and margins, and whether the muscles can follow it
         "plan_picture": "plan.png",
-        "policy": "policy.safetensors",  # Policy: what was learned
+        "policy": "policy.safetensors",  # the trained Policy
         "training_log": "training.csv",  # one row per batch
         "training": "training.json",  # seed, steps, seconds
         "recording": "recording.npz",  # Recording of the deterministic run
@@ -33,20 +33,23 @@ class RunFolder:
     def __init__(self, folder: Path):
         self.folder = folder
         self._paths = {name: folder / file for name, file in self.FILES.items()}
-        self._arm = folder / "arm"  # a copy of the arm, if it is a user's own
+        self._arm = folder / "arm"  # a copy of the arm, if it is not a shipped one
 
     def path(self, name: str) -> Path:
         """The path of a file to write."""
         return self._paths[name]
 
     def existing(self, name: str, step: str) -> Path:
-        """The path of a file to read. Raises RunFolderError, naming the command that makes it, if it is missing."""
+        """The path of a file to read. If it is missing, a RunFolderError names the command that makes it, `step`."""
         if not self._paths[name].is_file():
             raise RunFolderError(f"{self._paths[name]} is missing: `drakearm {step}` makes it.")
         return self._paths[name]
 
     def claim(self, names: tuple[str, ...], overwrite: bool) -> None:
-        """Makes the folder for a step that writes these files. Raises RunFolderError if one of them exists already."""
+        """Makes the folder for a step that writes these files.
+
+        Raises RunFolderError if one of them exists already, unless `overwrite` is true.
+        """
         present = [self._paths[name] for name in names if self._paths[name].exists()]
         if present and not overwrite:
             raise RunFolderError(
@@ -55,9 +58,9 @@ class RunFolder:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def keep_scenario(self, scenario: str | Path, preset: Preset | None = None) -> Scenario:
-        """Copies the scenario's file, and its arm if that is a user's own, into the folder and returns the scenario.
+        """Copies the scenario's file into the folder, and its arm if it is not a shipped one. Returns the scenario.
 
-        preset: replaces the file's. Raises ScenarioError if the scenario is not valid.
+        preset: replaces the preset in the file. Raises ScenarioError if the scenario is not valid.
         """
         file, loaded = find_scenario(scenario), load_scenario(scenario)
         if file.resolve() == self.path("scenario").resolve():
@@ -72,11 +75,12 @@ class RunFolder:
     def holds_plan_of(self, scenario: str | Path, preset: Preset | None = None) -> bool:
         """Whether the folder holds a plan of this scenario, with the same fields, preset and arm.
 
-        preset: replaces the file's. Raises ScenarioError if this scenario or the folder's is not valid.
+        preset: replaces the preset in the file. Raises ScenarioError if this scenario or the one in the folder is not
+        valid.
         """
         if not all(self.path(name).is_file() for name in ("scenario", "reference", "plan")):
             return False
-        self.scenario()  # is valid
+        self.scenario()  # raises the error if it is not valid
         file, arm = find_scenario(scenario), load_scenario(scenario).arm
         kept = {"preset": Preset.drakearm} | yaml.safe_load(self.path("scenario").read_text())
         fields = {"preset": Preset.drakearm} | yaml.safe_load(_with_preset(file.read_text(), preset))
@@ -92,7 +96,7 @@ class RunFolder:
         self.path(name).write_text(json.dumps(content, indent=2) + "\n")
 
     def read_json(self, name: str, step: str) -> dict[str, Any]:
-        """Raises RunFolderError if the file is missing or damaged."""
+        """The content of a file. Raises RunFolderError if it is missing or damaged. step: the command that makes it."""
         file = self.existing(name, step)
         try:
             return json.loads(file.read_text())
@@ -101,12 +105,12 @@ class RunFolder:
 
 
 def _with_preset(text: str, preset: Preset | None) -> str:
-    """The text of a scenario's file with another preset."""
+    """The text of a scenario's file with another preset, if one is given."""
     if preset is None:
         return text
     return re.sub(r"^preset:.*\n", "", text, flags=re.MULTILINE) + f"\npreset: {preset}\n"
 
 
 def _contents(folder: Path) -> dict[Path, bytes]:
-    """The content of each file in a folder and its subfolders, by its path in the folder."""
+    """The content of each file in a folder and its subfolders, by its path relative to the folder."""
     return {file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()}

@@ -1,4 +1,4 @@
-"""Scenarios: the movements of the paper, each a YAML file: what to plan and how to learn it."""
+"""Scenarios: YAML files that say which movement to plan and how to learn it. drakearm ships those of the paper."""
 
 from collections.abc import Mapping
 from dataclasses import field, replace
@@ -23,7 +23,7 @@ from drakearm.task import OBSERVATIONS, ReferenceStart, Reward, RewardWeights, T
 
 
 def _read_reward(value: Any) -> Reward:
-    """The reward of a mapping. Without a `type` it holds the weights of the paper's reward."""
+    """Reads a reward from a mapping. Without a `type`, the mapping has the weights of the paper's reward."""
     if isinstance(value, Mapping) and "type" not in value:
         value = {"type": RewardWeights.type, **value}
     return Reward.read(value)
@@ -31,11 +31,11 @@ def _read_reward(value: Any) -> Reward:
 
 @dataclass(frozen=True, config=STRICT)
 class Tracking:
-    """How the movement is sensed and rewarded while it is learned."""
+    """What the arm senses and how it is rewarded during the training."""
 
     reward: Annotated[InstanceOf[Reward], BeforeValidator(_read_reward)]
-    observation: str = "full"  # a set in `drakearm.task.OBSERVATIONS`
-    start_noise_deg: NonNegative = 0.0  # standard deviation of the joint angles at the start
+    observation: str = "full"  # name of a set in `drakearm.task.OBSERVATIONS`
+    start_noise_deg: NonNegative = 0.0  # degrees, standard deviation of the noise on the joint angles at the start
 
     @field_validator("observation")
     @classmethod
@@ -47,20 +47,20 @@ class Tracking:
 
 @dataclass(frozen=True, config=STRICT)
 class Scenario:
-    """One movement: what a file in `scenarios/` or of a user's own holds."""
+    """The content of a scenario file: one movement, and how to learn it."""
 
     name: str
     description: str
     movement: Movement  # what is planned
     tracking: Tracking  # what is learned
-    arm: str = "arm14"  # name of a shipped arm, or folder of a user's own, from the scenario file's folder
+    arm: str = "arm14"  # name of a shipped arm, or a user's folder, relative to the scenario file
     load_mass: NonNegative = 0.0  # kg, welded to the hand
-    obstacle: Obstacle | None = None  # what the plan goes around
+    obstacle: Obstacle | None = None  # which the plan avoids
     training: PpoSettings = field(default_factory=PpoSettings)
     preset: Preset = Preset.drakearm
 
     def task(self, reference: Reference) -> TrackingTask:
-        """The task of following a reference, sensed and rewarded as the scenario says."""
+        """The task to follow a reference, with the senses, reward, start, load and obstacle of the scenario."""
         return TrackingTask(
             arm=load_arm(self.arm),
             reference=reference,
@@ -73,7 +73,7 @@ class Scenario:
 
 
 def load_scenario(scenario: str | Path) -> Scenario:
-    """The scenario of a shipped name or a file. Raises ScenarioError, naming file and field, where it is not valid."""
+    """Loads a shipped scenario by its name, or a file. Raises ScenarioError, which names file and field, if invalid."""
     file = find_scenario(scenario)
     try:
         loaded = TypeAdapter(Scenario).validate_python(yaml.safe_load(file.read_text()))

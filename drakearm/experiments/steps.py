@@ -23,8 +23,8 @@ from drakearm.planning.plan_report import PlanReport
 from drakearm.replay import write_replay
 from drakearm.task import TrackingTask
 
-# The files that a step writes, by their names in RunFolder.FILES
-PLANNED = ("reference", "plan", "plan_picture")  # and the scenario
+# The files that each step writes, by their names in RunFolder.FILES
+PLANNED = ("reference", "plan", "plan_picture")  # besides the scenario
 TRAINED = ("policy", "training", "training_log")
 EVALUATED = ("metrics", "recording")
 REPLAYED = ("replay",)
@@ -33,9 +33,10 @@ REPLAYED = ("replay",)
 def plan_step(
     run: RunFolder, scenario: str | Path, horizon: float | None = None, preset: Preset | None = None
 ) -> PlanReport:
-    """Finds the optimal reference of a scenario, and whether the muscles can do it. Writes nothing if it fails.
+    """Plans the optimal reference of a scenario and tests whether the muscles can follow it.
 
-    horizon: s, plans in a receding horizon (see `plan`). preset: replaces the scenario's, for the later training.
+    Writes nothing if planning fails. horizon: s; if given, plans in a receding horizon (see `plan`). preset: replaces
+    the preset of the scenario, for the later training.
     """
     loaded = load_scenario(scenario)
     arm = load_arm(loaded.arm)
@@ -67,11 +68,11 @@ def train_step(
     on_round: Callable[[int, int], None] | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
-    """Learns the excitations that follow the run's reference. batches: replaces the scenario's number.
+    """Trains a policy whose excitations make the muscles follow the run's reference.
 
-    on_round: called after each round of imitation with its number, from 1, and the number of rounds. on_batch: called
-    after each batch; by then the policy so far and training.json are in the run folder, so an interrupted training can
-    be evaluated too.
+    batches: replaces the number in the scenario. on_round: called after each round of imitation with its number, from
+    1, and the number of rounds. on_batch: called after each batch, when the current policy and training.json are
+    already in the run folder. So a training that is interrupted can be evaluated too.
     """
     scenario = run.scenario()
     settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
@@ -84,11 +85,11 @@ def train_step(
         imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
 
     def keep(report: BatchReport) -> None:
-        """Writes how far the training has come."""
+        """Writes the progress of the training."""
         progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
         finished = report.batch == report.batches
-        about = {"seed": seed, "env": env.value, "finished": finished, "settings": asdict(settings)}
-        run.write_json("training", about | progress)
+        setup = {"seed": seed, "env": env.value, "finished": finished, "settings": asdict(settings)}
+        run.write_json("training", setup | progress)
         if on_batch:
             on_batch(report)
 
@@ -108,7 +109,7 @@ def train_step(
 
 
 def evaluate_step(run: RunFolder) -> dict[str, Any]:
-    """Runs the policy in closed loop on the Diagram; returns what it writes into metrics.json."""
+    """Runs the policy in closed loop on the Diagram. Writes metrics.json and returns its content."""
     policy = Policy.load(run.existing("policy", "train"))
     training = run.read_json("training", "train")
     planned = run.read_json("plan", "plan")
@@ -130,7 +131,7 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
 
 
 def replay_step(run: RunFolder) -> Path:
-    """Writes the browser replay of the deterministic run and returns its file."""
+    """Writes the browser replay of the deterministic run. Returns its file."""
     scenario = run.scenario()
     recording = Recording.load(run.existing("recording", "evaluate"))
     write_replay(

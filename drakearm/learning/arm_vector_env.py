@@ -20,16 +20,16 @@ from drakearm.task import Reward, TrackingTask
 
 
 class ArmVectorEnv(VectorEnv):
-    """Many environments, each the one that `DiagramEnv` makes of a `TrackingTask`, to rounding errors the same.
+    """Many environments in one object. Each computes the same as a `DiagramEnv` of its task, up to rounding errors.
 
-    tasks: one, or several to mix round-robin: arm i does task i % len(tasks), with a reference, load, start and reward
-    of its own. Muscles, coordinates, joint ranges, senses and lookahead must be the same in all tasks. Raises
-    TrainingError, naming what differs.
+    tasks: one task, or several that are assigned round-robin: arm i has task i % len(tasks), with the reference, load,
+    start and reward of this task. Muscles, coordinates, joint ranges, senses and lookahead must be the same in all
+    tasks; if they are not, a TrainingError names what differs.
 
-    Spaces, rewards and info are those of `DiagramEnv`; see there. Environments that end are reset in the same step
-    (AutoresetMode.SAME_STEP): the observation is then the first of the next episode, the last one of the episode that
-    ended is in `info["final_obs"]`, and the other info is that of the transition. Environment i is seeded with `seed +
-    i`.
+    Spaces, rewards and info are those of `DiagramEnv`. An environment is reset in the same step in which its episode
+    ends (AutoresetMode.SAME_STEP). This step returns the first observation of the next episode. The last observation of
+    the old episode is in `info["final_obs"]`, and the rest of info belongs to the last transition. Environment i is
+    seeded with `seed + i`.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
@@ -37,7 +37,9 @@ class ArmVectorEnv(VectorEnv):
     def __init__(self, tasks: TrackingTask | Sequence[TrackingTask], num_envs: int):
         tasks = [tasks] if isinstance(tasks, TrackingTask) else list(tasks)
         if not 1 <= len(tasks) <= num_envs:
-            raise TrainingError(f"There are {len(tasks)} tasks for {num_envs} arms: expected an arm for each task.")
+            raise TrainingError(
+                f"There are {len(tasks)} tasks for {num_envs} arms: expected at least one arm for each task."
+            )
         plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
         _check_alike(tasks, plants)
         arm = tasks[0].arm
@@ -50,7 +52,7 @@ class ArmVectorEnv(VectorEnv):
         skeletons = [read_dynamics(plant) for plant in plants]
         self._arms = CompiledArms(arm, [skeletons[k] for k in task_of_arm], self._lower, self._upper)
         self._rewards = _arms_by_reward([task.reward for task in tasks], task_of_arm)
-        # Samples of all references, one after the other; each arm goes from its first row to its last.
+        # The samples of all references, one reference after the other. Arm i follows rows _first[i] to _last[i].
         self._reference = np.concatenate([task.reference.preview() for task in tasks])
         previews = [task.reference.preview(task.lookahead) for task in tasks]
         self._preview_q, self._preview_v = np.hsplit(np.concatenate(previews), 2)
@@ -85,19 +87,19 @@ class ArmVectorEnv(VectorEnv):
         if seed is not None:
             seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
             self._generators = [
-                generator if one is None else np.random.default_rng(one)
-                for generator, one in zip(self._generators, seeds, strict=True)
+                generator if env_seed is None else np.random.default_rng(env_seed)
+                for generator, env_seed in zip(self._generators, seeds, strict=True)
             ]
         self._restart(np.ones(self.num_envs, dtype=bool))
         return self._observe(), self._info()
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One control step everywhere. Raises ActionError unless the actions are (N, n) finite numbers."""
+        """Advances every environment by a control step. Raises ActionError unless actions are (N, n) finite numbers."""
         values = np.ascontiguousarray(actions, dtype=np.float64)
         if values.shape != self.action_space.shape or not np.isfinite(values).all():
             raise ActionError(
-                f"The actions are an array {values.shape}, finite: {bool(np.isfinite(values).all())}: "
-                f"expected {self.num_envs} times {self._n} finite excitations."
+                f"The actions have the shape {values.shape} and {np.sum(~np.isfinite(values))} values that are not "
+                f"finite: expected {self.num_envs} times {self._n} finite excitations."
             )
         self._acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
@@ -115,7 +117,7 @@ class ArmVectorEnv(VectorEnv):
 
     @property
     def reference_step(self) -> np.ndarray:
-        """How far along its reference each arm is (N,), in control steps."""
+        """The control step that each arm has reached on its reference, (N,), from 0."""
         return self._row - self._first
 
     def _restart(self, which: np.ndarray) -> None:
@@ -154,16 +156,16 @@ class ArmVectorEnv(VectorEnv):
 
 
 def _arms_by_reward(rewards: list[Reward], task_of_arm: np.ndarray) -> list[tuple[Reward, slice | np.ndarray]]:
-    """The different ones of the tasks' rewards, each with its arms."""
-    different = [reward for k, reward in enumerate(rewards) if reward not in rewards[:k]]
-    if len(different) == 1:
-        return [(different[0], slice(None))]  # which makes views instead of copies
-    reward_of_task = np.array([different.index(reward) for reward in rewards])
-    return [(reward, np.flatnonzero(reward_of_task[task_of_arm] == k)) for k, reward in enumerate(different)]
+    """Each distinct reward of the tasks, with the indices of the arms that have it."""
+    distinct = [reward for k, reward in enumerate(rewards) if reward not in rewards[:k]]
+    if len(distinct) == 1:
+        return [(distinct[0], slice(None))]  # a slice selects without copying
+    reward_of_task = np.array([distinct.index(reward) for reward in rewards])
+    return [(reward, np.flatnonzero(reward_of_task[task_of_arm] == k)) for k, reward in enumerate(distinct)]
 
 
 def _check_alike(tasks: list[TrackingTask], plants: list[MultibodyPlant]) -> None:
-    """Raises TrainingError, naming what differs, unless the tasks can share one compiled function."""
+    """Raises TrainingError, which names what differs, if the tasks cannot share one compiled function."""
     alike = [
         {
             "muscles": task.arm.muscles,

@@ -1,7 +1,7 @@
-"""Forward and backward passes of a multilayer perceptron by hand, in memory that is kept.
+"""Forward and backward passes of a multilayer perceptron (MLP), written by hand, in memory that is reused.
 
-Minibatches of a few hundred rows through layers of 64 are so quick that autograd's bookkeeping would cost more than the
-arithmetic; and without it two networks can learn in two threads.
+For minibatches of a few hundred rows and layers of 64 units, autograd's bookkeeping would take longer than the
+arithmetic. Without autograd, two networks can also learn in two threads at the same time.
 """
 
 import torch
@@ -11,9 +11,9 @@ _ALIGNMENT = 16  # floats: 64 bytes, the alignment of torch's own tensors
 
 
 class Backprop:
-    """The passes of an MLP of `nn.Linear` with `nn.Tanh` or one-weight `nn.PReLU` in between.
+    """Forward and backward pass of an MLP: `nn.Linear` layers with `nn.Tanh` or one-weight `nn.PReLU` between them.
 
-    Made after `flat_weights`, whose views it keeps.
+    If `flat_weights` is used, call it before this constructor, which keeps references to the weights.
     """
 
     def __init__(self, mlp: nn.Sequential) -> None:
@@ -28,14 +28,14 @@ class Backprop:
 
     def _allocate(self, rows: int) -> None:
         self._rows = rows
-        self._sums = [bias.new_empty(rows, len(bias)) for bias in self._biases]  # what each linear layer puts out
-        self._hidden = [torch.empty_like(sums) for sums in self._sums[:-1]]  # what each activation puts out
-        self._gradients = [torch.empty_like(sums) for sums in self._sums[:-1]]  # of the loss by the hidden sums
-        self._spare = [torch.empty_like(sums) for sums in self._sums[:-1]]
+        self._sums = [bias.new_empty(rows, len(bias)) for bias in self._biases]  # outputs of the linear layers
+        self._hidden = [torch.empty_like(sums) for sums in self._sums[:-1]]  # outputs of the activations
+        self._gradients = [torch.empty_like(sums) for sums in self._sums[:-1]]  # of the loss by these outputs
+        self._negative = [torch.empty_like(sums) for sums in self._sums[:-1]]  # working memory for min(sums, 0)
 
     @torch.no_grad()
     def forward(self, inputs: Tensor) -> Tensor:
-        """The outputs (n, n_out) of inputs (n, n_in), valid until the next call; quickest with the same n again."""
+        """The outputs (n, n_out) of inputs (n, n_in), valid until the next call. Memory is reused for equal n."""
         if len(inputs) != self._rows:
             self._allocate(len(inputs))
         self._inputs = x = inputs
@@ -52,7 +52,10 @@ class Backprop:
 
     @torch.no_grad()
     def backward(self, by_outputs: Tensor) -> None:
-        """Writes the gradients of all weights; by_outputs (n, n_out): that of the loss by the latest outputs."""
+        """Writes the gradient of the loss into all weights.
+
+        by_outputs: (n, n_out), the gradient with respect to the outputs of the latest forward pass.
+        """
         inputs = [self._inputs, *self._hidden]
         by_sums = by_outputs
         for i in reversed(range(len(inputs))):
@@ -64,7 +67,7 @@ class Backprop:
             torch.mm(by_sums, self._weights[i], out=before)
             activation = self._activations[i - 1]
             if isinstance(activation, nn.PReLU):
-                sums, negative = self._sums[i - 1], self._spare[i - 1]
+                sums, negative = self._sums[i - 1], self._negative[i - 1]
                 torch.clamp(sums, max=0.0, out=negative)
                 gradient(activation.weight).fill_(torch.dot(before.view(-1), negative.view(-1)))
                 slope = activation.weight.item()
@@ -75,17 +78,17 @@ class Backprop:
 
 
 def gradient(parameter: Tensor) -> Tensor:
-    """The gradient of a parameter, to be written into."""
+    """The gradient of a parameter, as memory to write into."""
     assert parameter.grad is not None
     return parameter.grad
 
 
 def flat_weights(module: nn.Module) -> nn.Parameter:
-    """All weights of a module as one vector, of which its parameters and their gradients become views.
+    """All weights of a module as one vector. The parameters of the module and their gradients become views of it.
 
-    Clipping and Adam then cost one operation each, not one for each of two dozen small tensors. Each view starts at a
-    multiple of _ALIGNMENT, as memory of its own would: matrix products round differently elsewhere. The numbers between
-    the views are 0, and so are their gradients.
+    Clipping and Adam then take one operation each, instead of one for each of about two dozen small tensors. Each view
+    starts at a multiple of _ALIGNMENT, as a tensor with its own memory does: at other addresses, matrix products round
+    differently. The numbers between the views are 0, and so are their gradients.
     """
     parameters = list(module.parameters())
     lengths = [-(-parameter.numel() // _ALIGNMENT) * _ALIGNMENT for parameter in parameters]
@@ -102,6 +105,6 @@ def flat_weights(module: nn.Module) -> nn.Parameter:
 
 
 def separate_weights(module: nn.Module) -> None:
-    """Undoes `flat_weights`: gives each parameter memory of its own, without a gradient."""
+    """Undoes `flat_weights`: each parameter gets its own memory again, without a gradient."""
     for parameter in module.parameters():
         parameter.data, parameter.grad = parameter.data.clone(), None

@@ -1,9 +1,11 @@
-"""The muscle arm's Diagram as one compiled function for many arms: what `ArmVectorEnv` steps.
+"""The muscle arm's Diagram as one compiled function for many arms. `ArmVectorEnv` calls it.
 
-Skeleton, muscles and stops are those of the Diagram: equations of motion read off the plant, and the same compiled
-functions that the systems call. The integrator is Drake's explicit trapezoidal rule (RungeKutta2Integrator), as in
-`MakeSimulator`. Up to LANES arms are stepped side by side, as a block: in every array the arm is the last index, its
-lane, so that one vector instruction serves several arms.
+Skeleton, muscles and joint stops are those of the Diagram: the equations of motion are read from the plant, and muscles
+and stops are the same compiled functions that the systems call. The integrator is Drake's explicit trapezoidal rule
+(RungeKutta2Integrator), as in `MakeSimulator`.
+
+Up to LANES arms form a block and are stepped together. The last index of every array is the arm within its block, its
+lane. So one vector instruction computes the same quantity of several arms.
 """
 
 import math
@@ -23,24 +25,24 @@ LANES = 128
 
 
 class ArmLanes(NamedTuple):
-    """The states of all arms, (blocks, size, lanes) each."""
+    """The states of all arms: arrays (blocks, size, lanes)."""
 
     arm_state: np.ndarray  # size 2 n_q: q and v
     muscle_state: np.ndarray  # size 4 n, see `muscle_step`
-    acceleration: np.ndarray  # size n_q, of the torques that muscles and stops exert in the latest time step
+    acceleration: np.ndarray  # size n_q, rad/s^2: due to muscles and stops in the latest time step
 
 
 class ArmTables(NamedTuple):
-    """What the compiled step knows of the arms."""
+    """The constants of the arms that the compiled step reads."""
 
     muscles: np.ndarray  # `Arm.muscle_table`
     paths: np.ndarray  # `Arm.path_table`
     kinds: MuscleKinds
-    dynamics: DynamicsTable  # all terms that any of the skeletons has
-    mass_coefficient: np.ndarray  # (blocks, K, lanes), of these terms in each arm
-    gravity_coefficient: np.ndarray  # (blocks, G, lanes)
-    lower: np.ndarray  # (n_q,) rad, ends of the joints' ranges, where the stops begin
-    upper: np.ndarray
+    dynamics: DynamicsTable  # every term that at least one of the skeletons has
+    mass_coefficient: np.ndarray  # (blocks, K, lanes), of the K mass terms in each arm
+    gravity_coefficient: np.ndarray  # (blocks, G, lanes), of the G gravity terms in each arm
+    lower: np.ndarray  # (n_q,) rad, lower ends of the joints' ranges, where the stops begin
+    upper: np.ndarray  # (n_q,) rad, upper ends
     stiffness: float  # Nm/rad, of the stops
     damping: float  # Nm s/rad, of the stops
 
@@ -56,16 +58,17 @@ class Work(NamedTuple):
 
 
 class CompiledArms:
-    """N arms with the same muscles, each with a skeleton of its own: their states, and `step`.
+    """The states of N arms, and `step`, which advances them. All have the same muscles; each has its own skeleton.
 
-    lower, upper: ends of the joints' ranges (n_q,), rad, where they have the stops that `JointStops` has by default.
+    lower, upper: (n_q,), rad, the ends of the joints' ranges. The stops there are as stiff and as damped as the default
+    ones of `JointStops`.
     """
 
     def __init__(self, arm: Arm, skeletons: Sequence[DynamicsTable], lower: np.ndarray, upper: np.ndarray):
         count, n, n_q = len(skeletons), len(arm.muscles), len(arm.coordinates)
         blocks = math.ceil(count / LANES)
         lanes = math.ceil(count / blocks)
-        # The arm in every lane (blocks, lanes): the lanes that are left over repeat the last arm.
+        # The arm in each lane, (blocks, lanes). The lanes that are left over repeat the last arm.
         self._arm = np.minimum(np.arange(blocks * lanes), count - 1).reshape(blocks, lanes)
         self._count = count
         dynamics = stack_dynamics(skeletons)
@@ -101,32 +104,32 @@ class CompiledArms:
         return self._from_lanes(self._lanes.muscle_state)
 
     def set_state(self, which: np.ndarray, arm_state: np.ndarray, muscle_state: np.ndarray) -> None:
-        """Puts the arms `which` (N,), bool, into states, a row for each of them."""
+        """Sets the states of some arms. which: (N,), bool, selects them; the states have one row for each of them."""
         row = (np.cumsum(which) - 1)[self._arm]
         chosen = which[self._arm]
         self._lanes.arm_state.swapaxes(1, 2)[chosen] = arm_state[row[chosen]]
         self._lanes.muscle_state.swapaxes(1, 2)[chosen] = muscle_state[row[chosen]]
 
     def step(self, excitation: np.ndarray, steps: int, time_step: float) -> np.ndarray:
-        """Advances all arms with their excitations (N, n) held; returns the accelerations (N, n_q) at the end.
+        """Advances all arms by a number of time steps (s each) with constant excitations (N, n).
 
-        Those are of the torques that muscles and stops exert in the last time step.
+        Returns the accelerations (N, n_q), rad/s^2, at the end: those due to muscles and stops in the last time step.
         """
         step_arms(self._lanes, self._to_lanes(excitation), steps, time_step, self._tables, self._work)
         return self._from_lanes(self._lanes.acceleration)
 
     def _to_lanes(self, arms: np.ndarray) -> np.ndarray:
-        """Rows of arms (N, size) as (blocks, size, lanes)."""
+        """Converts an array with one row per arm (N, size) to (blocks, size, lanes)."""
         return np.ascontiguousarray(arms[self._arm].swapaxes(1, 2))
 
     def _from_lanes(self, blocks: np.ndarray) -> np.ndarray:
-        """And back."""
+        """Converts (blocks, size, lanes) to an array with one row per arm (N, size)."""
         return np.array(blocks.swapaxes(1, 2), order="C").reshape(-1, blocks.shape[1])[: self._count]
 
 
 @compiled
 def step_arms(state, excitation, steps, time_step, tables, work):
-    """Advances arms in place by a number of time steps with their excitations (blocks, n, lanes) held.
+    """Advances arms in place by a number of time steps with constant excitations (blocks, n, lanes).
 
     state: an `ArmLanes`. tables: an `ArmTables`. work: a `Work`. Times in s.
     """
@@ -138,7 +141,7 @@ def step_arms(state, excitation, steps, time_step, tables, work):
         x, a, u = state.arm_state[block], state.acceleration[block], excitation[block]
         muscle_state = state.muscle_state[block]
         mass, gravity = mass_coefficient[block], gravity_coefficient[block]
-        for half in range(2 * steps + 1):  # every step needs two accelerations; the last one remains in `state`
+        for half in range(2 * steps + 1):  # a step needs two accelerations; one more, at the end, stays in `state`
             starts = half % 2 == 0
             if starts and half < 2 * steps:
                 step_muscle_lanes(

@@ -15,7 +15,7 @@ Reset = Callable[[Context, np.random.Generator], object]
 
 
 class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
-    """Steps a Diagram with the ports of pydrake.gym: input `actions`, outputs `observations` and `reward` (1,).
+    """Steps a Diagram that has the ports of pydrake.gym: input `actions`, outputs `observations` and `reward` (1,).
 
     ============ ================================== ===========================================================
     space        shape                              range and unit
@@ -24,14 +24,15 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     observation  (size of the port `observations`,) float32, unbounded: see `drakearm.task.SENSES`
     ============ ================================== ===========================================================
 
-    Every other output port of the Diagram appears in `info` under its name, as a float64 array. An action is held for
-    one control step; observation, reward and info are those at its end. An episode is truncated at the time of
-    `episode_steps` control steps; it is terminated where a system of the Diagram reports
+    The values of all other output ports are in `info`, as float64 arrays under the names of the ports. An action is
+    held for one control step; observation, reward and info are those at the end of the step. An episode is truncated
+    when the simulated time reaches `episode_steps` control steps. It is terminated when a system of the Diagram reports
     EventStatus::ReachedTermination.
 
-    reset: puts a root context into a start state, with the environment's own random generator, so that the seed given
-    to `reset` decides everything. It may also set a later time, a whole number of control steps: the episode is then
-    shorter. The Diagram is built once and its context reset, because each rebuilt one leaks memory.
+    reset: a function that sets the start state in a root context. It draws random numbers only from the generator that
+    it is given, so that the seed given to the method `reset` determines the episode. It may also set the time to a
+    whole number of control steps; the episode is then shorter. The Diagram is built once and only its context is reset,
+    because every new Diagram leaks memory.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)
@@ -62,12 +63,12 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._diagram.SetDefaultContext(self._context)
         self._actions.FixValue(self._context, np.zeros(self._actions.size()))
         self._reset(self._context, self.np_random)
-        self._steps = round(self._context.get_time() / self._control_step)  # since time 0
+        self._steps = round(self._context.get_time() / self._control_step)  # counted from time 0, not from the start
         self._simulator.Initialize()
         return self._observe()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Holds the action for one control step. Raises ActionError unless it has the right shape and is finite."""
+        """Holds the action for one control step. Raises ActionError unless it is (n,) finite numbers."""
         values = np.asarray(action, dtype=np.float64)
         if values.shape != self.action_space.shape or not np.isfinite(values).all():
             raise ActionError(

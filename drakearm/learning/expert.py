@@ -1,4 +1,4 @@
-"""The excitations that static optimization would choose for many arms: what imitation learns from."""
+"""The excitations that static optimization chooses for many arms. Imitation learns from them."""
 
 from collections.abc import Sequence
 
@@ -11,32 +11,33 @@ from drakearm.model.skeleton import inverse_dynamics
 from drakearm.model.static_optimization import excitations_to_reach, static_activations
 from drakearm.task import TrackingTask
 
-# Faster than that of `StaticOptimizer`, because the forecast lets it correct errors sooner without trembling.
+# Stiffer than that of `StaticOptimizer`: with the forecast, it can correct errors faster without oscillations.
 FEEDBACK = Feedback(stiffness=900.0, damping=60.0)
 
 
 class StaticExpert:
     """Computed muscle control (Thelen, Anderson and Delp 2003) for the arms of an `ArmVectorEnv`.
 
-    Like `StaticOptimizer`, but with the method's forecast of the joints: it decides for the state that they will have
-    at the end of the control step.
+    It differs from `StaticOptimizer` in one point: it uses the method's forecast. It chooses the excitations for the
+    joint angles that are expected at the end of the control step.
     """
 
     def __init__(self, tasks: Sequence[TrackingTask], num_envs: int) -> None:
-        """Arm i does task i % len(tasks), as in `ArmVectorEnv`."""
+        """Arm i has task i % len(tasks), as in `ArmVectorEnv`."""
         self._task_of_arm = np.arange(num_envs) % len(tasks)
         references = [np.hstack([task.reference.q, task.reference.v, task.reference.a]) for task in tasks]
-        self._reference = np.concatenate(references)  # of all tasks; each arm goes from its first row to its last
+        self._reference = np.concatenate(references)  # of all tasks; arm i follows rows _first[i] to _last[i]
         self._first, self._last = sample_ranges(np.array([len(r) for r in references]), self._task_of_arm)
         plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
         self._skeletons = [(plant, plant.CreateDefaultContext()) for plant in plants]
         self._muscles, self._paths = tasks[0].arm.muscle_table, tasks[0].arm.path_table
-        self._activation = np.full((num_envs, len(self._muscles)), 0.1)  # the latest ones, as a guess
+        self._activation = np.full((num_envs, len(self._muscles)), 0.1)  # the latest solution, the next guess
 
     def act(self, arm_state: np.ndarray, activation: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Excitations (N, n) for arms at states (N, 2 n_q), with activations (N, n).
+        """The excitations (N, n) for the next control step.
 
-        steps: (N,), of the reference, that each arm has reached.
+        arm_state: (N, 2 n_q), q in rad and v in rad/s. activation: (N, n). steps: (N,), the control step that each arm
+        has reached on its reference, from 0.
         """
         q, v = np.hsplit(arm_state, 2)
         q = q + CONTROL_STEP * v

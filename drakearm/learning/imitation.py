@@ -1,7 +1,8 @@
-"""Imitation: an actor learns what static optimization does, before it learns by trying.
+"""Imitation: before PPO, an actor learns to choose the same excitations as static optimization.
 
-Dataset aggregation (Ross, Gordon and Bagnell 2011): the actor's own movements, a little disturbed, are labeled with
-what the expert would have done there, so that it also learns to come back.
+Dataset aggregation (Ross, Gordon and Bagnell 2011): the actor moves the arms, with noise on its excitations. At every
+state that is reached, the label is what the expert would choose there. So the actor also learns to return to the
+reference after an error.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,10 +18,10 @@ from drakearm.learning.policy import Actor
 from drakearm.task import TrackingTask
 
 ARMS = 64
-EPOCHS = 20  # after each round, over all that was seen so far
-MINIBATCH = 600
-LEARNING_RATE = 2e-3  # falls linearly to a tenth in every round
-NOISE = 0.2  # standard deviation of the excitations' disturbance for the most disturbed arm; for the first one it is 0
+EPOCHS = 20  # per round, over the samples of all rounds so far
+MINIBATCH = 600  # samples
+LEARNING_RATE = 2e-3  # at the start of every round, in which it falls linearly towards a tenth
+NOISE = 0.2  # standard deviation, on the excitations of the last arm; it grows linearly from 0, for the first arm
 
 
 def imitate(
@@ -30,52 +31,52 @@ def imitate(
     seed: int,
     on_round: Callable[[int], None] | None = None,
 ) -> None:
-    """Teaches an actor, in place; the same seed gives the same weights.
+    """Trains an actor in place. The same seed gives the same weights.
 
-    In the first round the expert moves the arms, in the others the actor does. on_round: called at the end of each
-    round with its number, from 1.
+    tasks: assigned to the arms round-robin, as in `ArmVectorEnv`. The expert moves the arms in the first round, and the
+    actor in later rounds. on_round: called after each round with its number, from 1.
     """
     envs, expert = ArmVectorEnv(tasks, max(ARMS, len(tasks))), StaticExpert(tasks, max(ARMS, len(tasks)))
     learner = Learner(actor, max_grad_norm=1.0)
     generator = torch.Generator().manual_seed(seed)
-    seen: list[torch.Tensor] = []
-    done: list[torch.Tensor] = []
+    all_observations: list[torch.Tensor] = []
+    all_excitations: list[torch.Tensor] = []
     for number in range(1, rounds + 1):
-        observations, excitations = _round(envs, expert, None if number == 1 else actor, seed + number)
-        seen.append(observations)
-        done.append(excitations)
-        _fit(actor, learner, torch.cat(seen), torch.cat(done), generator)
+        observations, excitations = _collect(envs, expert, None if number == 1 else actor, seed + number)
+        all_observations.append(observations)
+        all_excitations.append(excitations)
+        _fit(actor, learner, torch.cat(all_observations), torch.cat(all_excitations), generator)
         if on_round:
             on_round(number)
 
 
-def _round(
+def _collect(
     envs: ArmVectorEnv, expert: StaticExpert, actor: Actor | None, seed: int
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """Observations and the expert's excitations while the actor, or the expert itself, moves every arm once."""
+    """Observations and the expert's excitations in one episode per arm. Without an actor, the expert moves the arms."""
     rng = np.random.default_rng(seed)
     noise = np.linspace(0.0, NOISE, envs.num_envs)[:, None]
     observation, info = envs.reset(seed=seed)
-    seen, done = [], []
+    observations, excitations = [], []
     moving = np.ones(envs.num_envs, dtype=bool)
     while moving.any():
         desired = expert.act(info["arm_state"], info["activation"], envs.reference_step)
-        inputs = torch.tensor(observation)  # a copy, whose memory torch aligns
-        seen.append(inputs[moving])
-        done.append(torch.tensor(desired[moving], dtype=torch.float32))
+        inputs = torch.tensor(observation)  # a copy, in memory that torch aligns
+        observations.append(inputs[moving])
+        excitations.append(torch.tensor(desired[moving], dtype=torch.float32))
         with torch.no_grad():
             action = desired if actor is None else actor(inputs).numpy()
         action = np.clip(action + noise * rng.standard_normal(action.shape), 0.0, 1.0)
         observation, _, _, truncated, info = envs.step(action)
         moving &= ~truncated
-    return torch.cat(seen), torch.cat(done)
+    return torch.cat(observations), torch.cat(excitations)
 
 
 @torch.no_grad()
 def _fit(
     actor: Actor, learner: Learner, observations: torch.Tensor, excitations: torch.Tensor, generator: torch.Generator
 ) -> None:
-    """Least squares on the expert's excitations."""
+    """Fits the actor's mean to the expert's excitations by least squares: the loss is the mean squared error."""
     backprop = Backprop(actor.mean)
     minibatches = max(1, len(observations) // MINIBATCH)
     for epoch in range(EPOCHS):

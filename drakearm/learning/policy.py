@@ -45,12 +45,12 @@ def _mlp(
 
 
 class Actor(nn.Module):
-    """A Gaussian over actions: the mean is a tanh MLP, the standard deviation the same for every observation.
+    """A Gaussian over actions. Its mean is a tanh MLP of the observation; its standard deviation does not depend on it.
 
-    `initial_action` is the mean at the start, for every observation alike (nearly: the weights of
-    the last layer start small), and `initial_std` the standard deviation, both in the action's
-    unit; `learns_std` says whether training changes it by its gradient. `generator` draws the first
-    weights; without one they are the same every time.
+    initial_action: the mean before training, in the action's unit. It is nearly the same for all observations, because
+    the weights of the last layer start small. initial_std: the standard deviation before training, in the same unit.
+    learns_std: whether training changes the standard deviation by its gradient. generator: draws the initial weights;
+    without one, they are the same every time.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Actor(nn.Module):
         return self.mean(observations)
 
     def log_prob(self, observations: Tensor, actions: Tensor) -> Tensor:
-        """The log-density (...) of the unclipped `actions`, (..., n_act)."""
+        """The log-density (...) of `actions` (..., n_act) that are not clipped to the bounds."""
         return self.log_density((actions - self(observations)) * torch.exp(-self.log_std))
 
     def log_density(self, z: Tensor) -> Tensor:
@@ -96,7 +96,7 @@ class Actor(nn.Module):
 
 
 class Critic(nn.Module):
-    """The value of an observation: the discounted sum of rewards expected from there on."""
+    """The value of an observation: the expected discounted sum of all later rewards."""
 
     def __init__(
         self,
@@ -116,10 +116,10 @@ class Critic(nn.Module):
 
 
 class Policy(nn.Module):
-    """What remains of a training: actor, critic, action bounds and where they come from.
+    """A trained actor and critic, with action bounds and metadata.
 
-    `low` and `high`, (n_act,), bound the actions. `metadata` is any JSON object: the names of
-    scenario and observation, seeds, versions.
+    low, high: (n_act,), the bounds. metadata: any JSON object, for example with the names of scenario and observation,
+    seeds and versions. Raises TypeError for metadata that is not JSON.
     """
 
     def __init__(
@@ -135,7 +135,7 @@ class Policy(nn.Module):
         self.critic = critic
         self.low: NDArray[np.float64] = np.array(low, dtype=np.float64)
         self.high: NDArray[np.float64] = np.array(high, dtype=np.float64)
-        # Through JSON and back: what a file cannot hold is refused here, before a long training.
+        # Converted to JSON and back: metadata that a file cannot hold fails here, before a long training.
         self.metadata: dict[str, Any] = json.loads(json.dumps(metadata))
 
     @property
@@ -149,10 +149,10 @@ class Policy(nn.Module):
     def act(self, observation: ArrayLike, rng: np.random.Generator | None = None) -> NDArray[np.float64]:
         """The action (..., n_act), within the bounds, for `observation`, (..., n_obs).
 
-        The mean of the actor's Gaussian without `rng`, else a sample that depends on nothing but
-        `rng`. Raises PolicyFileError if the observation has another length than the policy's.
+        Without `rng` it is the mean of the actor's Gaussian. With `rng` it is a sample, which draws from `rng` only.
+        Raises PolicyFileError if the length of the observation is not that of the policy.
         """
-        # A copy, whose memory torch aligns: the last digits of a product depend on alignment.
+        # A copy, in memory that torch aligns: the last digits of a matrix product depend on the alignment.
         inputs = torch.tensor(np.asarray(observation), dtype=torch.float32)
         if inputs.shape[-1:] != (self.n_observations,):
             raise PolicyFileError(
@@ -167,9 +167,9 @@ class Policy(nn.Module):
         return np.clip(action, self.low, self.high)
 
     def save(self, path: Path | str) -> None:
-        """Writes the policy as safetensors, whose header holds all but the weights as JSON.
+        """Writes the policy as a safetensors file. Its header holds everything but the weights, as JSON.
 
-        The file appears whole or not at all: whoever is killed meanwhile leaves the old one.
+        The file is replaced only when the new one is complete: a process that is killed before leaves the old file.
         """
         header = {
             "format": FORMAT,
@@ -199,7 +199,7 @@ class Policy(nn.Module):
                 header = file.metadata() or {}
                 weights = {name: file.get_tensor(name) for name in file.keys()}
         except (SafetensorError, OSError) as error:
-            raise PolicyFileError(f"{path} is damaged or not a policy file, which is safetensors: {error}.") from error
+            raise PolicyFileError(f"{path} is damaged or not a policy file: expected safetensors ({error}).") from error
         try:
             fields = {key: json.loads(value) for key, value in header.items()}
         except ValueError:
@@ -223,6 +223,6 @@ class Policy(nn.Module):
             policy.load_state_dict(weights)
         except (KeyError, TypeError, ValueError, RuntimeError) as error:
             raise PolicyFileError(
-                f"The policy file {path} is damaged, its header does not fit its weights: {error}."
+                f"The policy file {path} is damaged: its header does not fit its weights ({error})."
             ) from error
         return policy

@@ -1,7 +1,8 @@
-"""Proximal policy optimization (Schulman et al. 2017), from top to bottom.
+"""Proximal policy optimization, PPO (Schulman et al. 2017). To read it, begin with `train`.
 
-A batch is collected with the present policy, then used for some epochs of minibatch updates
-whose step away from that policy is clipped.
+The current policy collects a batch of transitions. Several epochs of minibatch updates then change the policy. The
+clipped objective takes away the gain from moving far from the policy that collected the batch. The losses and their
+gradients are in `drakearm.learning.learners`.
 """
 
 import csv
@@ -32,25 +33,25 @@ UnitInterval = Annotated[float, Field(ge=0.0, le=1.0)]
 
 @dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class PpoSettings:
-    """How to train. The defaults start from imitation; `PAPER` holds those of the paper, which start from nothing."""
+    """How to train. The defaults start from imitation. `PAPER`, as in the paper, starts from random weights."""
 
     batches: PositiveInt = 60  # rounds of collecting and updating
-    environments: PositiveInt = 64  # arms side by side: what the vector environment must hold
+    environments: PositiveInt = 64  # arms: the vector environment must hold as many
     steps: PositiveInt = 75  # control steps per environment and batch
     epochs: PositiveInt = 5  # passes over a batch
     minibatches: PositiveInt = 4  # updates per pass
     learning_rate: PositiveFloat = 3e-5  # the actor's in the first batch
-    target_kl: PositiveFloat | None = 0.02  # nats a batch, kept by the learning rate; None: that falls linearly to zero
-    critic_learning_rate: PositiveFloat = 1e-3  # in the first batch, falls linearly to zero
+    target_kl: PositiveFloat | None = 0.02  # nats per batch, held by the learning rate; None: this falls linearly to 0
+    critic_learning_rate: PositiveFloat = 1e-3  # in the first batch; it falls linearly to 0
     gamma: UnitInterval = 0.97  # discount per control step
-    gae_lambda: UnitInterval = 0.95  # 0: one-step advantages, 1: whole returns
-    clip: PositiveFloat = 0.2  # how far an action's probability ratio may usefully leave 1
-    max_grad_norm: PositiveFloat = 0.5  # longer gradients are shortened to this
-    value_weight: PositiveFloat = 0.5  # of the value loss beside the policy loss
-    initial_std: PositiveFloat = 0.05  # of the actions, in their own unit
-    final_std: PositiveFloat | None = 0.01  # towards which it falls geometrically; None: it is learned
-    imitation_rounds: NonNegativeInt = 4  # of imitating static optimization first; 0: starts from random weights
-    initial_action: float = 0.15  # mean of the actions, in their own unit
+    gae_lambda: UnitInterval = 0.95  # 0: one-step advantages, 1: returns minus values
+    clip: PositiveFloat = 0.2  # epsilon: probability ratios further from 1 than this bring no more gain
+    max_grad_norm: PositiveFloat = 0.5  # longer gradients are scaled down to this norm
+    value_weight: PositiveFloat = 0.5  # factor of the critic's loss
+    initial_std: PositiveFloat = 0.05  # standard deviation of the actions, in their unit
+    final_std: PositiveFloat | None = 0.01  # at the end, reached geometrically; None: it is learned
+    imitation_rounds: NonNegativeInt = 4  # of imitating static optimization before PPO; 0: random weights
+    initial_action: float = 0.15  # mean of the actions before training, in their unit
     actor_layers: tuple[PositiveInt, ...] = (64,) * 5  # widths of the hidden layers, tanh
     critic_layers: tuple[PositiveInt, ...] = (64,) * 3  # widths of the hidden layers, PReLU
 
@@ -70,18 +71,18 @@ PAPER = PpoSettings(
 
 @plain_dataclass(frozen=True)
 class BatchReport:
-    """How the training stands after a batch; a row of the log."""
+    """The progress of a training after a batch: one row of the log."""
 
     batch: int  # from 1
     batches: int
     steps: int  # transitions so far, over all environments
     steps_per_second: float  # in this batch, updates included
-    seconds_left: float  # if the other batches take as long as those so far
+    seconds_left: float  # if the remaining batches take as long as those so far
     mean_reward: float  # mean return of the episodes that ended in this batch; nan if none did
-    tracking_error: float  # mean absolute error, rad; nan where environments do not tell
-    approx_kl: float  # nats, between the policy that collected and the one being updated
-    clip_fraction: float  # share of transitions whose ratio has left the clip range
-    explained_variance: float  # of the returns by the critic: 1 perfect, 0 no better than the mean
+    tracking_error: float  # mean absolute error, rad; nan if `info` has no tracking_error
+    approx_kl: float  # nats, between the policy that collected the batch and the updated one
+    clip_fraction: float  # share of transitions whose probability ratio is outside the clip range
+    explained_variance: float  # of the returns, by the critic: 1 is perfect, 0 no better than their mean
     policy_loss: float
     value_loss: float
     entropy: float  # nats
@@ -90,10 +91,10 @@ class BatchReport:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Torch computes on one thread meanwhile.
+    """Limits torch to one thread inside the `with` block.
 
-    These networks are too small to share out, and idle threads of a pool spin: with two pools
-    on two cores, training was a hundred times slower.
+    The networks are too small to be worth several threads, and the idle threads of a pool keep cores busy: with two
+    pools on two cores, training was a hundred times slower.
     """
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
@@ -115,13 +116,14 @@ def train(
     checkpoint_path: Path | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
-    """A policy for `envs`, which stay open; the same seed gives the same policy, bit for bit.
+    """Trains a policy on `envs`, which stay open. The same seed gives the same policy, bit for bit.
 
-    `metadata` goes into the policy. `prepare` may teach the actor before it learns by trying, as
-    `imitate` does. `log_path` gets a CSV row a batch, with the fields of
-    BatchReport; `checkpoint_path` the policy so far after every batch, before `on_batch` is called with
-    the batch's report. Raises TrainingError for environments that PPO
-    cannot use and as soon as a number is not finite.
+    metadata: is stored in the policy. prepare: may train the actor before PPO does, as `imitate` does. log_path: gets
+    one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after every batch.
+    on_batch: called after every batch with its report; log and checkpoint are written before.
+
+    Raises TrainingError if PPO cannot use the environments or settings, or when an observation, a reward or a gradient
+    is not finite.
     """
     observation_space, action_space = _suitable_spaces(envs, settings)
     generator = torch.Generator().manual_seed(seed)
@@ -178,7 +180,7 @@ def train(
 
 
 def _adapted(learning_rate: float, kl: float, target: float) -> float:
-    """The learning rate for the next batch, after one whose divergence was kl."""
+    """The learning rate for the next batch. kl: the divergence of the last batch. target: the desired divergence."""
     if kl > 1.5 * target:
         return learning_rate / 1.5
     return learning_rate * 1.5 if kl < target / 1.5 else learning_rate
@@ -187,7 +189,7 @@ def _adapted(learning_rate: float, kl: float, target: float) -> float:
 def _experience(
     policy: Policy, rollout: Rollout, settings: PpoSettings, generator: torch.Generator, number: int
 ) -> tuple[Batch, float]:
-    """What to learn from a rollout, and how much of the returns' variance the critic explained."""
+    """A rollout with advantages and returns, and the share of the returns' variance that the critic explains."""
     device = policy.actor.log_std.device
     observations, valid = rollout.observations.to(device), torch.from_numpy(rollout.valid)
     with torch.no_grad():
@@ -209,7 +211,7 @@ def _experience(
         observations=observations[valid],
         actions=rollout.actions[valid].to(device),
         log_probs=rollout.log_probs[valid].to(device),
-        # Over the whole batch: a minibatch's own mean and deviation would be noise on top.
+        # Normalized over the whole batch: the mean and deviation of each minibatch would add noise.
         advantages=(advantages - advantages.mean()) / (advantages.std() + 1e-8),
         returns=returns,
         orders=[torch.randperm(len(returns), generator=generator).to(device) for _ in range(settings.epochs)],
@@ -241,7 +243,7 @@ def _initial_policy(
 
 
 def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:
-    """The spaces of one observation and one action, if PPO can train on `envs` with `settings`."""
+    """The spaces of one observation and one action. Raises TrainingError if PPO cannot train with these."""
     spaces = []
     for name in ("observation", "action"):
         space = getattr(envs, f"single_{name}_space")
@@ -253,7 +255,7 @@ def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:
             f"The settings ask for {settings.environments} environments, "
             f"but the vector environment holds {envs.num_envs}."
         )
-    # Half of them, because every other step may be a reset.
+    # Only half of the steps are sure to be transitions: with NEXT_STEP, every second step may be a reset.
     if settings.steps * settings.environments // 2 < settings.minibatches:
         raise TrainingError(
             f"{settings.minibatches} minibatches are too many for batches of {settings.steps} "
@@ -263,7 +265,7 @@ def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:
 
 
 def _csv_log(path: Path | None, stack: ExitStack) -> Callable[[BatchReport], None]:
-    """A function that appends a row to the new file `path`; `stack` closes it."""
+    """A function that appends a report as a row to a new file; `stack` closes the file."""
     if path is None:
         return lambda report: None
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -273,6 +275,6 @@ def _csv_log(path: Path | None, stack: ExitStack) -> Callable[[BatchReport], Non
 
     def write_row(report: BatchReport) -> None:
         writer.writerow(asdict(report))
-        file.flush()  # a training that is watched, or killed, has its log
+        file.flush()  # so that the rows can be read during the training and after a crash
 
     return write_row

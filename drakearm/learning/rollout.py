@@ -1,7 +1,7 @@
-"""Experience for PPO: transitions of many environments side by side, and their advantages.
+"""Experience for PPO: transitions from a vector environment, and their advantages.
 
-Arrays are (steps T, environments N, ...), float32. A vector environment of Gymnasium resets an
-environment that ended by itself; what that means for the transitions is dealt with here.
+Arrays are (steps T, environments N, ...), float32. Gymnasium's vector environments reset an environment by themselves
+when its episode ends. This module keeps the resets out of the transitions.
 """
 
 from dataclasses import dataclass
@@ -30,38 +30,37 @@ def gae(
 ) -> NDArray[Any]:
     """Generalized advantage estimates, (T, N) (Schulman et al. 2016, equation 16).
 
-    All arrays are (T, N). `next_values` are the values of the true successors: at a time limit
-    that of the last state, not that of the first after the reset. `terminated` marks transitions
-    into a state without a future, whose next value counts as 0; `ended` those after which the
-    trajectory stops, be it terminated or truncated.
+    All arrays are (T, N). next_values: the values of the true successors. At a time limit this is the value of the last
+    state, not that of the first state after the reset. terminated: marks transitions into a state without a future,
+    whose value counts as 0. ended: marks transitions after which the trajectory stops, terminated or truncated.
     """
     deltas = rewards + gamma * next_values * ~terminated - values
     decay = gamma * lam * ~ended
     advantages = np.empty_like(deltas)
-    following = np.zeros_like(deltas[0])
+    later = np.zeros_like(deltas[0])
     for t in reversed(range(len(deltas))):
-        advantages[t] = following = deltas[t] + decay[t] * following
+        advantages[t] = later = deltas[t] + decay[t] * later
     return advantages
 
 
 @dataclass(frozen=True)
 class Rollout:
-    """The transitions of one batch, (T, N) each, and what to tell of them."""
+    """The transitions of one batch, in arrays (T, N), and statistics for the report."""
 
     observations: Tensor  # (T, N, n_obs), before the action
-    actions: Tensor  # (T, N, n_act), as sampled, not clipped
-    log_probs: Tensor  # of the actions
+    actions: Tensor  # (T, N, n_act), as sampled, not clipped to the bounds
+    log_probs: Tensor  # log-densities of the actions
     successors: Tensor  # (T, N, n_obs), after the action and before any reset
     rewards: NDArray[np.float32]
     terminated: NDArray[np.bool_]  # the successor has no future
     ended: NDArray[np.bool_]  # terminated, or truncated by a time limit
     valid: NDArray[np.bool_]  # False for the steps that only reset an environment
     episode_returns: list[float]  # sums of the rewards of the episodes that ended in this batch
-    tracking_error: float  # mean absolute error, rad; nan where environments do not tell
+    tracking_error: float  # mean absolute error, rad; nan if `info` has no tracking_error
 
 
 class Collector:
-    """Walks through `envs`, `steps` at a time; episodes go on from one batch to the next."""
+    """Collects `steps` steps of all `envs` per batch. Episodes continue from one batch to the next."""
 
     def __init__(self, envs: VectorEnv, steps: int, seed: int) -> None:
         mode = envs.metadata.get("autoreset_mode")
@@ -81,11 +80,11 @@ class Collector:
 
     @torch.no_grad()
     def collect(self, actor: Actor, generator: torch.Generator, batch: int) -> Rollout:
-        """The next transitions, with actions sampled from `actor`.
+        """The transitions of the next `steps` steps, with actions sampled from `actor`.
 
-        Raises TrainingError, which names `batch`, if an observation or reward is not finite.
+        Raises TrainingError, which names `batch`, if an observation or a reward is not finite.
         """
-        # Torch's memory rather than NumPy's: it is aligned, which makes products repeatable.
+        # Torch allocates the memory because it aligns it: results of matrix products depend on the alignment.
         shape = (self._steps, self._envs.num_envs)
         observations = torch.empty(*shape, self._observation.shape[-1])
         successors = torch.empty_like(observations)
@@ -95,8 +94,8 @@ class Collector:
         device = actor.log_std.device
         noise = torch.randn(*shape, len(self._low), generator=generator)
         log_probs = actor.log_density(noise.to(device)).cpu()
-        actions = noise.mul_(actor.log_std.exp().cpu())  # to which the means are added
-        mean = Backprop(actor.mean).forward  # less to do than for the modules, which counts with so few rows
+        actions = noise.mul_(actor.log_std.exp().cpu())  # the loop below adds the means
+        mean = Backprop(actor.mean).forward  # less overhead than the module's own call, which counts for few rows
         episode_returns: list[float] = []
         errors: list[NDArray[Any]] = []
 
@@ -107,20 +106,20 @@ class Collector:
             bounded = actions[t].numpy().clip(self._low, self._high)
             observation, reward, terminal, truncated, infos = self._envs.step(bounded)
 
-            over = terminal | truncated
+            ended_now = terminal | truncated
             moved = ~self._resets_next
             after[t] = observation
-            if self._same_step and over.any():
-                after[t, over] = np.stack(infos["final_obs"][over])
-            rewards[t], terminated[t], ended[t], valid[t] = reward, terminal, over, moved
+            if self._same_step and ended_now.any():
+                after[t, ended_now] = np.stack(infos["final_obs"][ended_now])
+            rewards[t], terminated[t], ended[t], valid[t] = reward, terminal, ended_now, moved
             errors += _tracking_errors(infos, moved)
 
             self._returns += reward * moved
-            episode_returns += self._returns[over].tolist()
-            self._returns[over] = 0.0
+            episode_returns += self._returns[ended_now].tolist()
+            self._returns[ended_now] = 0.0
             self._observation = observation
             if not self._same_step:
-                self._resets_next = over
+                self._resets_next = ended_now
 
         _require_finite(after, "an observation", batch)
         _require_finite(rewards, "a reward", batch)
@@ -144,14 +143,14 @@ def _require_finite(values: NDArray[Any], name: str, batch: int) -> None:
 
 
 def _tracking_errors(infos: dict[str, Any], moved: NDArray[np.bool_]) -> list[NDArray[Any]]:
-    """The absolute tracking errors, flat, of the environments that `moved` and told theirs.
+    """The absolute tracking errors of the environments that `moved` and reported an error, as flat arrays.
 
-    Where Gymnasium has reset an environment in the same step, the info of its last transition is in `final_info`.
+    If Gymnasium has reset an environment in the same step, the info of its last transition is in `final_info`.
     """
     errors = []
     for info in (infos.get("final_info", {}), infos):
         if "tracking_error" in info:
-            told = moved & info.get("_tracking_error", True)
-            errors.append(np.abs(info["tracking_error"][told]).ravel())
-            moved = moved & ~told
+            reported = moved & info.get("_tracking_error", True)
+            errors.append(np.abs(info["tracking_error"][reported]).ravel())
+            moved = moved & ~reported
     return errors

@@ -9,8 +9,8 @@ from pydrake.geometry import Rgba
 from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR
 from drakearm.systems.muscle_visualizer import activation_color
 
-# Meshcat's page runs its commands in whatever order they are decoded, but an animation of colors
-# finds its objects only if they are there already: this keeps the commands in their order.
+# Meshcat's page runs each command as soon as it is decoded, in any order. But an animation of colors only works on
+# objects that exist already. This script makes the page run the commands in their original order.
 _ORDER = """
 <script>
   const unordered_fetch = window.fetch;
@@ -83,9 +83,9 @@ _OVERLAY = Template("""
 
 
 def make_page(meshcat_html: str, title: str, speed: float, duration: float) -> str:
-    """The page of `Meshcat.StaticHtml()` with caption, legend and time controls.
+    """Adds a caption, a legend and time controls to the page of `Meshcat.StaticHtml()`.
 
-    speed: of the animation, over real time. duration: s, of the movement in real time.
+    speed: of the animation, as a fraction of real time. duration: s, of the movement in real time.
     """
     title = html.escape(title)
     overlay = _OVERLAY.substitute(

@@ -1,4 +1,4 @@
-"""Writes the replay of a recorded movement: one HTML file that needs nothing else."""
+"""Writes the replay of a recorded movement: one HTML file that needs no other files."""
 
 from pathlib import Path
 
@@ -13,8 +13,8 @@ from drakearm.replay.page import make_page
 from drakearm.replay.scene import ReplayScene
 
 PLAYBACK_SPEED = 0.25  # movements last less than a second
-_PAUSE = 0.15  # s of movement time, between the end and the next repetition
-_FOREVER = 1_000_000  # repetitions
+_PAUSE = 0.15  # s of movement time, between the end of one repetition and the start of the next
+_REPETITIONS = 1_000_000  # in practice without end
 
 
 def write_replay(
@@ -28,9 +28,9 @@ def write_replay(
 ) -> None:
     """Writes a web page that repeats the recorded movement in slow motion.
 
-    It shows the arm with muscles colored by activation, the reference posture as a ghost, the path
-    of the hand's tip, and the load (load_mass, kg) and the obstacle, if there are any. Append #t=0.3 to the page's
-    address to see the arm stand at 0.3 s.
+    It shows the arm with muscles colored by activation, the reference posture as a ghost, and the path of the hand's
+    tip. It also shows the load (load_mass, kg) and the obstacle, if there are any. Append #t=0.3 to the page's address
+    to pause the replay at 0.3 s.
     """
     scene = ReplayScene(arm, load_mass, obstacle)
     scene.draw_tip_path(recording.q)
@@ -42,11 +42,11 @@ def write_replay(
     last = len(recording.t) - 1
     pause = round(_PAUSE / CONTROL_STEP)
     for frame, i in [*((i, i) for i in range(last + 1)), (last + pause, last)]:
-        scene.draw(recording, i, (frame + 0.5) / frames_per_second)  # Meshcat rounds down
+        scene.draw(recording, i, (frame + 0.5) / frames_per_second)  # half a frame more, because Meshcat rounds down
     meshcat.StopRecording()
     animation = meshcat.get_mutable_recording()
     animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
-    animation.set_repetitions(_FOREVER)
+    animation.set_repetitions(_REPETITIONS)
     meshcat.PublishRecording()
     page = make_page(meshcat.StaticHtml(), title, PLAYBACK_SPEED, recording.t[-1] - recording.t[0])
     Path(file).write_text(page, encoding="utf-8")

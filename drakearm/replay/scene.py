@@ -1,4 +1,4 @@
-"""The scene of a replay: arm, muscles, the reference as a ghost, in a Meshcat of its own."""
+"""The scene of a replay in its own Meshcat: the arm with its muscles, and the reference as a ghost."""
 
 from itertools import pairwise
 
@@ -19,13 +19,13 @@ PATH_COLOR = Rgba(0.95, 0.55, 0.05, 1.0)
 
 _ROOT = "/drakearm"
 _PATH_RADIUS = 0.002  # m
-_VIEW = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, some front and above
+_VIEW = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
 _FIELD_OF_VIEW = 30.0  # degrees
-_MARGIN = 1.15
+_MARGIN = 1.15  # the distance of the camera over the smallest one that shows the whole arm
 
 
 class ReplayScene:
-    """An arm in a Meshcat that ends with the scene; `draw` puts it where a recording says."""
+    """An arm in its own Meshcat, which closes when the scene is deleted. `draw` shows the arm as in a recording."""
 
     def __init__(self, arm: Arm, load_mass: float = 0.0, obstacle: Obstacle | None = None):
         """load_mass: kg, in the hand."""
@@ -56,16 +56,16 @@ class ReplayScene:
         self.meshcat.SetTransform(_ROOT, upright(self._arm))
 
     def draw(self, recording: Recording, i: int, time_in_recording: float | None = None) -> None:
-        """Draws sample i; keeps it at time_in_recording (s) if Meshcat is recording."""
+        """Draws sample i. If Meshcat is recording, it stores this frame at time_in_recording (s)."""
         X_WB = self._body_poses(recording.q[i])
         self._skeleton.draw(X_WB, time_in_recording)
         self._muscles.draw(X_WB, recording.activation[i], time_in_recording)
         self._ghost.draw(self._body_poses(recording.reference_q[i]), time_in_recording)
 
     def draw_tip_path(self, q: np.ndarray) -> None:
-        """Draws the way of the tip through joint angles q (N, n_q), rad."""
+        """Draws the path of the hand's tip for joint angles q (N, n_q), rad."""
         points = [self._tip_position(row) for row in q]
-        for i, (start, end) in enumerate(pairwise(points)):  # lines would be one pixel wide
+        for i, (start, end) in enumerate(pairwise(points)):  # cylinders, because lines would be one pixel wide
             pose, length = segment_pose(start, end)
             piece = f"{_ROOT}/tip_path/{i}"
             if length > 0.0:
@@ -74,7 +74,7 @@ class ReplayScene:
                 self.meshcat.SetObject(f"{piece}/line", Cylinder(_PATH_RADIUS, length), PATH_COLOR)
 
     def frame_camera(self, q: np.ndarray) -> None:
-        """Turns the camera to where the arm is at joint angles q (N, n_q), rad."""
+        """Points the camera so that the whole arm is visible at all joint angles q (N, n_q), rad."""
         names = {body for muscle in self._arm.muscles for body, _ in muscle.points}
         bodies = [int(self._plant.GetBodyByName(name).index()) for name in names]
         points = [self._tip_position(row) for row in q]

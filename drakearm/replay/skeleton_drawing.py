@@ -1,4 +1,4 @@
-"""The visual shapes of a plant's bodies in Meshcat: as they are, or as a ghost."""
+"""The visual shapes of a plant's bodies in Meshcat, in their own colors or as a ghost."""
 
 from pydrake.geometry import Meshcat, Rgba, SceneGraph
 from pydrake.math import RigidTransform
@@ -6,12 +6,12 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 _PLAIN = Rgba(0.9, 0.9, 0.9, 1.0)
-_GHOST_SCALE = [1.35, 1.35, 1.02]  # across and along a capsule
-_BACK_SIDE = 1.0  # of the faces, in three.js
+_GHOST_SCALE = [1.35, 1.35, 1.02]  # twice across a capsule, then along it
+_BACK_SIDE = 1.0  # three.js: draws only the back side of each face
 
 
 class SkeletonDrawing:
-    """The shapes of a plant's bodies, to be moved with them; those of body b are at `<path>/b`."""
+    """The shapes of a plant's bodies, which `draw` moves. The shapes of body b are at `<path>/b`."""
 
     def __init__(
         self,
@@ -21,10 +21,10 @@ class SkeletonDrawing:
         scene_graph: SceneGraph,
         ghost: Rgba | None = None,
     ):
-        """plant: finalized, and a source of the scene_graph.
+        """plant: finalized, and registered as a source of the scene_graph.
 
-        ghost: draws only the bodies that move, in this color, a little thicker and only their far
-        side: where the ghost meets the body itself, it is a rim around it.
+        ghost: if given, the shapes are drawn as a ghost in this color. Only the bodies that move are drawn, slightly
+        thicker, and only the far side of their surfaces. So a ghost at the same place as the body looks like a rim.
         """
         self._meshcat = meshcat
         self._bodies: list[tuple[int, str]] = []
@@ -48,7 +48,7 @@ class SkeletonDrawing:
     def draw(self, X_WB: list[RigidTransform], time_in_recording: float | None = None) -> None:
         """Moves the shapes to body poses X_WB, in order of BodyIndex.
 
-        time_in_recording: s, also keeps this frame if Meshcat is recording.
+        time_in_recording: s. If Meshcat is recording, it stores this frame at this time.
         """
         for index, path in self._bodies:
             self._meshcat.SetTransform(path, X_WB[index], time_in_recording)

@@ -1,4 +1,4 @@
-"""The task: what an arm follows, what its controller senses, what is rewarded, and how an episode starts."""
+"""The task: what an arm follows, what its controller senses, how it is rewarded, and how an episode starts."""
 
 from drakearm.task.rewards import Reward, RewardWeights
 from drakearm.task.senses import OBSERVATIONS, SENSES, Observation, Sense, observation_set

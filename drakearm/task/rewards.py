@@ -1,6 +1,6 @@
 """The rewards: how good each step of an episode is.
 
-A new reward is a frozen dataclass that derives from `Reward`; give one to `TrackingTask.reward`.
+To make a new reward, derive a frozen dataclass from `Reward` and pass an instance as `TrackingTask.reward`.
 """
 
 from functools import cached_property
@@ -16,23 +16,25 @@ from drakearm.model.kinds import Kind
 class Reward(Kind):
     """Base of all rewards: a function of signals.
 
-    type: the name that a scenario file gives the reward. reads: names of `SIGNALS`, in the order of the call's
-    arguments. Rewards are equal where they compute the same, as frozen dataclasses are: the rewards of all arms that
-    have equal ones are computed together.
+    type: the name of the reward in scenario files. reads: names of `SIGNALS`, in the order of the arguments of
+    `__call__`. Two rewards must be equal only if they compute the same, as it is for frozen dataclasses with equal
+    fields: `ArmVectorEnv` computes all arms with equal rewards in one call.
     """
 
     reads: ClassVar[tuple[str, ...]]
 
     def __call__(self, *signals: np.ndarray) -> Any:
-        """The reward (...) from arrays (..., size of the signal), with one row per arm where there are many arms."""
+        """The reward (...) from arrays (..., size of the signal). For many arms they have one row per arm."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True, config=STRICT)
 class RewardWeights(Reward):
-    """The reward of eq. 6 of Denizdurduran et al. (2022) with its weights, one per coordinate.
+    """The reward of eq. 6 of Denizdurduran et al. (2022), with three weights per coordinate j:
 
-    Minus the weighted squares of position errors, velocity errors and accelerations: 0 on the reference at rest.
+        r = -sum_j (position_j (q_d,j - q_j)^2 + velocity_j (v_d,j - v_j)^2 + acceleration_j a_j^2)
+
+    q_d and v_d are the desired q and v, a is the acceleration. The reward is 0 at rest on the reference, else negative.
     """
 
     type = "weighted_squares"
@@ -48,5 +50,5 @@ class RewardWeights(Reward):
 
     def __call__(self, *signals: np.ndarray) -> Any:
         arm_state, reference, acceleration = signals
-        lost = np.concatenate([reference - arm_state, acceleration], axis=-1)
-        return -(self._weights * lost**2).sum(axis=-1)
+        penalized = np.concatenate([reference - arm_state, acceleration], axis=-1)
+        return -(self._weights * penalized**2).sum(axis=-1)

@@ -1,6 +1,7 @@
 """The senses: what a controller of the arm observes. The table SENSES is the only place that lists them.
 
-A new sense is a `Sense`. For one task, name it in `TrackingTask.senses`; for everybody, add a row to SENSES.
+To make a new sense, create a `Sense`. To use it in one task, add it to `TrackingTask.senses`. To make it a part of
+drakearm, add it to SENSES.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,18 +15,21 @@ from drakearm.errors import TaskError
 from drakearm.model.arm import Arm
 from drakearm.task.signals import check_signals, signal_size
 
-SPEED_SCALE = 0.1  # s/rad: joint speeds of a movement become numbers near 1
+SPEED_SCALE = 0.1  # s/rad, makes the joint speeds of a movement dimensionless and near 1
 
 
 @dataclass(frozen=True)
 class Sense:
-    """One part of an observation: numbers that are computed from signals, and a factor for each of them.
+    """One part of an observation: numbers that are computed from signals, each multiplied by a factor.
 
-    reads: names of `SIGNALS`; by default the one with the name of the sense. calc: from the arrays of these signals,
-    (..., size of the signal), to (..., size); by default the signal as it is. The arrays have one row per arm where
-    many arms are simulated together, so it works on the last axis. size: by default that of the signal. scale: from the
-    arm to the factors, one or (size,), which make the numbers dimensionless and near 1. sets: the names of the
-    observation sets that the sense belongs to. meaning: what the observation holds, in words.
+    - name: each sense of a task needs a different one
+    - reads: names of the `SIGNALS` that the sense needs; by default the signal with the name of the sense
+    - calc: computes the numbers (..., size) from the arrays of these signals (..., size of the signal); by default it
+      returns the signal unchanged. For many arms the arrays have one row per arm, so it must work on the last axis
+    - size: how many numbers; by default the size of the first signal
+    - scale: computes the factors, one or (size,), from the arm; they make the numbers dimensionless and near 1
+    - sets: names of the observation sets that contain the sense
+    - meaning: what the scaled numbers are, in words
     """
 
     name: str
@@ -61,33 +65,33 @@ def _angles_and_speeds(arm: Arm) -> np.ndarray:
     return np.repeat([1.0, SPEED_SCALE], len(arm.coordinates))
 
 
-SENSES = (  # in the order of the observation; "paper" is what Denizdurduran et al. (2022) observe
+SENSES = (  # in the order of the observation. The set "paper" is the observation of Denizdurduran et al. (2022)
     Sense(
         "fiber_length",
         scale=_per_optimal_length,
         sets=("paper", "full"),
-        meaning="fiber lengths over their optimal lengths",
+        meaning="fiber lengths divided by optimal fiber lengths",
     ),
     Sense(
         "fiber_velocity",
         scale=_per_largest_velocity,
         sets=("paper", "full"),
-        meaning="fiber velocities over the largest contraction velocities",
+        meaning="fiber velocities (positive if the fiber lengthens) divided by maximum contraction velocities",
     ),
     Sense("activation", sets=("full",), meaning="activations"),
-    Sense("arm_state", scale=_angles_and_speeds, sets=("full",), meaning="q in rad, then v in rad/s times 0.1"),
-    Sense("preview_q", sets=("full",), meaning="desired q in rad, at each time of the lookahead"),
+    Sense("arm_state", scale=_angles_and_speeds, sets=("full",), meaning="q in rad, then 0.1 s/rad times v"),
+    Sense("preview_q", sets=("full",), meaning="desired q in rad at each time of the lookahead"),
     Sense(
         "preview_v",
         scale=lambda arm: SPEED_SCALE,
         sets=("full",),
-        meaning="desired v in rad/s times 0.1, at the same times",
+        meaning="0.1 s/rad times desired v at the same times",
     ),
-    Sense("tendon_force", scale=_per_largest_force, meaning="tendon forces over the largest isometric forces"),
-    Sense("excitation", meaning="the excitations that were held until now"),
+    Sense("tendon_force", scale=_per_largest_force, meaning="tendon forces divided by maximum isometric forces"),
+    Sense("excitation", meaning="excitations during the last control step, 0 at the start"),
 )
 
-# The observation sets by name. A user's own: `OBSERVATIONS["mine"] = (*OBSERVATIONS["paper"], my_sense)`.
+# The observation sets by name. A user can add a set: `OBSERVATIONS["mine"] = (*OBSERVATIONS["paper"], my_sense)`.
 OBSERVATIONS = {
     name: tuple(sense for sense in SENSES if name in sense.sets)
     for name in dict.fromkeys(name for sense in SENSES for name in sense.sets)
@@ -102,13 +106,14 @@ def observation_set(name: str) -> tuple[Sense, ...]:
 
 
 class Observation:
-    """Senses side by side, scaled: the function from signals to the observation.
+    """Computes an observation from signals: the scaled numbers of all senses, one sense after the other.
 
-    reads: the signals that it needs. places: the slice of each sense in the observation. size: of the observation.
+    reads: names of the signals that it needs. places: the slice of the observation for each sense, by name. size: the
+    length of the observation.
     """
 
     def __init__(self, arm: Arm, senses: Sequence[Sense], lookahead: tuple[int, ...]):
-        """Raises TaskError for no senses at all and for two senses of one name."""
+        """Raises TaskError if there are no senses, or if two have the same name."""
         names = [sense.name for sense in senses]
         if not names or len(set(names)) < len(names):
             raise TaskError(
@@ -126,7 +131,7 @@ class Observation:
     def __call__(self, signals: Mapping[str, Any]) -> np.ndarray:
         """The observation (..., size) from the arrays of its signals.
 
-        Raises TaskError where a sense computes another size than it says.
+        Raises TaskError if a sense computes an array whose last axis does not have the size of the sense.
         """
         parts = [
             signals[sense.reads[0]] if sense.calc is None else sense.calc(*(signals[name] for name in sense.reads))
@@ -138,5 +143,5 @@ class Observation:
             shapes = [f"{sense.name} {np.shape(part)}" for sense, part in zip(self._senses, parts, strict=True)]
             sizes = [f"{name} {place.stop - place.start}" for name, place in self.places.items()]
             raise TaskError(
-                f"The senses have the shapes {', '.join(shapes)}: expected on the last axis {', '.join(sizes)}."
+                f"The senses computed the shapes {', '.join(shapes)}: expected the last axes {', '.join(sizes)}."
             ) from error

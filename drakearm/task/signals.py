@@ -1,26 +1,26 @@
-"""The signals: everything about an arm and its reference that senses and rewards can read."""
+"""The signals: the quantities of an arm and its reference that senses and rewards can read."""
 
 from collections.abc import Iterable
 
 from drakearm.errors import TaskError
 from drakearm.model.arm import Arm
 
-SIGNALS = {
+SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "arm_state": "q and v of the joints (2 n_q), rad and rad/s",
-    "arm_acceleration": "of the joints (n_q), rad/s^2; for rewards only, as it exists after the first step",
-    "reference": "desired q and v at this moment (2 n_q), rad and rad/s",
+    "arm_acceleration": "acceleration of the joints (n_q), rad/s^2; only for rewards, because the start has none",
+    "reference": "desired q and v now (2 n_q), rad and rad/s",
     "preview_q": "desired q at each time of the task's lookahead (n_q len(lookahead)), rad",
     "preview_v": "desired v at the same times (n_q len(lookahead)), rad/s",
-    "excitation": "that was held until this moment (n); 0 at the start",
-    "activation": "(n), 0..1",
-    "fiber_length": "(n), m",
-    "fiber_velocity": "(n), m/s",
-    "tendon_force": "(n), N",
+    "excitation": "excitations during the last control step (n), 0 at the start",
+    "activation": "activations (n), 0 to 1",
+    "fiber_length": "lengths of the muscle fibers (n), m",
+    "fiber_velocity": "velocities of the muscle fibers (n), m/s, positive if the fiber lengthens",
+    "tendon_force": "forces of the tendons (n), N",
 }
 
 
 def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
-    """How many numbers a signal has, for n muscles and n_q coordinates."""
+    """How many numbers a signal has. lookahead: of the task, in control steps."""
     n, n_q = len(arm.muscles), len(arm.coordinates)
     of_joints = {
         "arm_state": 2 * n_q,
@@ -33,8 +33,8 @@ def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
 
 
 def check_signals(what: str, reads: Iterable[str], *, of_sense: bool = False) -> None:
-    """Raises TaskError where `what`, a sense or a reward, reads a signal that it cannot have."""
+    """Raises TaskError if a sense or reward, which `what` names in the message, reads a signal that it cannot read."""
     known = [name for name in SIGNALS if not (of_sense and name == "arm_acceleration")]
     for name in reads:
         if name not in known:
-            raise TaskError(f"{what} reads the signal {name!r}: expected some of {', '.join(known)}.")
+            raise TaskError(f"{what} reads the signal {name!r}: expected one of {', '.join(known)}.")

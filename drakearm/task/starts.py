@@ -1,6 +1,6 @@
-"""The starts: in which state an episode begins.
+"""The starts: the state in which an episode begins.
 
-A new start is a frozen dataclass that derives from `Start`; give one to `TrackingTask.start`.
+To make a new start, derive a frozen dataclass from `Start` and pass an instance as `TrackingTask.start`.
 """
 
 from abc import ABC, abstractmethod
@@ -16,12 +16,12 @@ from drakearm.model.reference import Reference
 
 
 class StartState(NamedTuple):
-    """The state of an arm as an episode begins. Fibers are in equilibrium with the tendons there."""
+    """The state of an arm at the start of an episode. Each fiber starts in equilibrium with its tendon."""
 
-    q: np.ndarray  # (n_q,) rad; brought into the joints' ranges
+    q: np.ndarray  # (n_q,) rad; it will be clipped to the joints' ranges
     v: np.ndarray  # (n_q,) rad/s
-    activation: float | np.ndarray = RESTING_ACTIVATION  # one for all muscles, or (n,)
-    step: int = 0  # of the reference, in control steps from its start: the episode is shorter by this many
+    activation: float | np.ndarray = RESTING_ACTIVATION  # one number for all muscles, or (n,)
+    step: int = 0  # of the reference, at which the episode starts; it is shorter by this many control steps
 
 
 class Start(ABC):
@@ -29,19 +29,19 @@ class Start(ABC):
 
     @abstractmethod
     def __call__(self, reference: Reference, rng: np.random.Generator | None) -> StartState:
-        """The state in which an episode begins that follows a reference. Without a generator there is no noise."""
+        """The state at the start of an episode with this reference. rng: source of the noise; None: no noise."""
 
     def random_posture(self, reference: Reference) -> Sequence[Expression]:
-        """The joint angles (n_q,), rad, with Drake's random variables, for Drake's `SetRandomContext`.
+        """The joint angles (n_q,), rad, as expressions with Drake's random variables, for Drake's `SetRandomContext`.
 
-        By default those without noise.
+        By default they have no noise.
         """
         return [Expression(float(angle)) for angle in self(reference, None).q]
 
 
 @dataclass(frozen=True)
 class ReferenceStart(Start):
-    """At rest at the start of the reference, with noise on the joint angles."""
+    """At rest at the first posture of the reference, with noise on the joint angles."""
 
     noise: float = 0.0  # rad, standard deviation
 

@@ -1,4 +1,4 @@
-"""TrackingTask: follow a reference with the muscles. Every environment and every loop reads it from here."""
+"""TrackingTask: to follow a reference with the muscles. All environments and closed loops are made from it."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,20 +16,20 @@ LOOKAHEAD = (0, 3, 8)  # control steps
 
 @dataclass(frozen=True)
 class TrackingTask:
-    """What is to be followed, with what, how it is sensed and rewarded, and how an episode starts."""
+    """The reference that an arm follows, what its controller senses, how it is rewarded, and how an episode starts."""
 
     arm: Arm
     reference: Reference
     reward: Reward
     senses: tuple[Sense, ...] = OBSERVATIONS["full"]
     start: Start = ReferenceStart()  # noqa: RUF009 (it is frozen)
-    lookahead: tuple[int, ...] = LOOKAHEAD  # control steps ahead at which the preview shows the reference
+    lookahead: tuple[int, ...] = LOOKAHEAD  # the preview shows the reference this many control steps ahead
     load_mass: float = 0.0  # kg, in the hand
-    obstacle: Obstacle | None = None  # drawn; the reference goes around it
+    obstacle: Obstacle | None = None  # only drawn; the reference must already avoid it
 
     @cached_property
     def observation(self) -> Observation:
-        """From signals to what a controller observes."""
+        """Computes what a controller observes, from signals."""
         return Observation(self.arm, self.senses, self.lookahead)
 
     def __post_init__(self) -> None:

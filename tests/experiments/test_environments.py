@@ -1,6 +1,9 @@
-"""The environments as Gymnasium makes them: one Diagram, or many compiled arms, of one scenario or several."""
+"""The environments as Gymnasium makes them: one Diagram, or many compiled arms, for one scenario or several."""
 
+import re
 import warnings
+from collections import defaultdict
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -8,7 +11,10 @@ import pytest
 
 from drakearm.errors import ScenarioError
 from drakearm.experiments import scenario_files
+from drakearm.experiments.environments import make_env
+from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv
+from drakearm.task import OBSERVATIONS
 
 
 def make_vec(**kwargs):
@@ -44,3 +50,42 @@ def test_make_vec_can_still_make_diagrams():
 def test_an_unknown_scenario_among_several_is_named():
     with pytest.raises(ScenarioError, match="no scenario 'dancing'"):
         make_vec(num_envs=2, scenario=["timing-0.7s", "dancing"])
+
+
+def indices(cell):
+    """The indices that a cell of a table names, such as 3 or 0-13."""
+    first, _, last = cell.partition("-")
+    return list(range(int(first), int(last or first) + 1))
+
+
+def observation_table():
+    """The rows of the observation in the docstring of `make_env`: indices, sense, observation, min, max, unit."""
+    rows = re.findall(r"^ *\| *([\d-]+) *\| `(\w+)` *\|(.*)\|$", make_env.__doc__, re.MULTILINE)
+    return [(indices(cell), sense, *map(str.strip, rest.split("|"))) for cell, sense, rest in rows]
+
+
+def test_the_documented_observation_is_the_tasks(reference):
+    task = load_scenario("timing-0.7s").task(reference)
+    documented = defaultdict(list)
+    for elements, sense, *_ in observation_table():
+        documented[sense] += elements
+    places = {sense: list(range(place.start, place.stop)) for sense, place in task.observation.places.items()}
+    assert documented == places
+    assert f"({task.observation.size},), float32)` with the set `full`" in make_env.__doc__
+    paper = replace(task, senses=OBSERVATIONS["paper"]).observation
+    assert list(paper.places.items()) == list(task.observation.places.items())[:2]
+    assert f"({paper.size},), float32)` and has only the first two rows" in make_env.__doc__
+
+
+def test_the_documented_muscles_and_limits_are_those_of_the_arm(reference):
+    muscles = re.search(r"in\s+this order: ([\w,\s]+)\.", make_env.__doc__).group(1)
+    task = load_scenario("timing-0.7s").task(reference)
+    assert re.split(r",\s+", muscles) == [muscle.name for muscle in task.arm.muscles]
+    env = make_env("timing-0.7s", reference)
+    env.reset(seed=0)
+    rng = np.random.default_rng(0)
+    observations = np.array([env.step(rng.random(14))[0] for _ in range(30)])
+    for elements, sense, _, low, high, _ in observation_table():
+        beyond = 0.1 if sense == "arm_state" else 1e-6  # rad, in the elastic stops; rounding
+        assert (observations[:, elements] >= float(low) - beyond).all()
+        assert (observations[:, elements] <= float(high) + beyond).all()
