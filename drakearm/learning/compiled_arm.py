@@ -18,7 +18,7 @@ from drakearm.model import Arm
 from drakearm.model.dynamics import DynamicsLanes, forward_dynamics_lanes, make_dynamics_lanes
 from drakearm.model.dynamics_table import DynamicsTable, stack_dynamics
 from drakearm.model.joint_stops import STOP_DAMPING, STOP_STIFFNESS, joint_stop_torque
-from drakearm.model.muscle_lanes import MuscleKinds, MuscleLanes, make_muscle_lanes, muscle_kinds, step_muscle_lanes
+from drakearm.model.muscle_lanes import MuscleLanes, make_muscle_lanes, muscle_kinds, step_muscle_lanes
 from drakearm.muscle.compiled import compiled, fma
 
 LANES = 128
@@ -37,7 +37,7 @@ class ArmTables(NamedTuple):
 
     muscles: np.ndarray  # `Arm.muscle_table`
     paths: np.ndarray  # `Arm.path_table`
-    kinds: MuscleKinds
+    kinds: tuple  # the fields of `MuscleKinds`, as a plain tuple: Numba can pass only such a one on as arguments
     dynamics: DynamicsTable  # every term that at least one of the skeletons has
     mass_coefficient: np.ndarray  # (blocks, K, lanes), of the K mass terms in each arm
     gravity_coefficient: np.ndarray  # (blocks, G, lanes), of the G gravity terms in each arm
@@ -75,7 +75,7 @@ class CompiledArms:
         self._tables = ArmTables(
             arm.muscle_table,
             arm.path_table,
-            muscle_kinds(arm.muscle_table),
+            tuple(muscle_kinds(arm.muscle_table)),
             dynamics,
             self._to_lanes(dynamics.mass_coefficient.reshape(count, -1)),
             self._to_lanes(dynamics.gravity_coefficient.reshape(count, -1)),
@@ -134,7 +134,6 @@ def step_arms(state, excitation, steps, time_step, tables, work):
     state: an `ArmLanes`. tables: an `ArmTables`. work: a `Work`. Times in s.
     """
     muscles, paths, kinds, dynamics, mass_coefficient, gravity_coefficient, lower, upper, stiffness, damping = tables
-    thelen2003, degroote2016, rigid = kinds
     muscle_work, dynamics_work, tau, later_x, later_a = work
     blocks, n_q, lanes = state.acceleration.shape
     for block in range(blocks):
@@ -144,9 +143,7 @@ def step_arms(state, excitation, steps, time_step, tables, work):
         for half in range(2 * steps + 1):  # a step needs two accelerations; one more, at the end, stays in `state`
             starts = half % 2 == 0
             if starts and half < 2 * steps:
-                step_muscle_lanes(
-                    muscle_state, tau, u, x, time_step, muscles, paths, thelen2003, degroote2016, rigid, muscle_work
-                )
+                step_muscle_lanes(muscle_state, tau, u, x, time_step, muscles, paths, muscle_work, *kinds)
                 for j in range(n_q):
                     for k in range(lanes):
                         q = fma(0.5 * time_step, x[n_q + j, k], x[j, k])

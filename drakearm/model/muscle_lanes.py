@@ -111,13 +111,13 @@ def _step_rigid(state, excitation, i, n, time_step, work, m):
 @names_every_model
 @inner
 def step_muscle_lanes(
-    state, tau, excitation, arm_state, time_step, muscles, paths, thelen2003, degroote2016, rigid, work
+    state, tau, excitation, arm_state, time_step, muscles, paths, work, thelen2003, degroote2016, rigid
 ):
     """`musculature.muscle_step` for several arms: every array has the lane as a second index.
 
-    state: (4 n, lanes). tau: (n_q, lanes). excitation: (n, lanes). arm_state: (2 n_q, lanes). thelen2003, degroote2016,
-    rigid: the fields of `MuscleKinds`. They are separate arguments because Numba leaves out the code for an argument
-    that is None, but not the code for a field that is None. work: see `make_muscle_lanes`.
+    state: (4 n, lanes). tau: (n_q, lanes). excitation: (n, lanes). arm_state: (2 n_q, lanes). work: see
+    `make_muscle_lanes`. thelen2003, degroote2016, rigid: the fields of `MuscleKinds`. They are separate arguments
+    because Numba leaves out the code for an argument that is None, but not the code for a field that is None.
     """
     n, (n_q, lanes) = len(muscles), tau.shape
     for j in range(n_q):
