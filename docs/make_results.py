@@ -24,10 +24,11 @@ QUICK_SCENARIO, QUICK_BATCHES = "lift-5kg, shoulder 0.2", 2
 
 _HEAD = f"""# Every shipped movement, planned and learned
 Made by `python docs/make_results.py`: each scenario with its default settings and seed {SEED}, evaluated on the Drake
-Diagram. Errors are those of the policy without noise at shoulder / elbow, in rad: mean and largest error over the
-movement, and error at its end. The training time, in seconds, includes imitation; training uses two cores. The column
-"muscles" says whether static optimization finds activations that follow the plan. Where the muscles lack torque, no
-excitations can follow it, and the errors show how far they stay from it.
+Diagram. The errors, in rad, are those of shoulder / elbow without noise on the excitations: the mean and the largest
+error over the movement, and the error at its end. The training time, in seconds, includes imitation; training uses two
+cores. The column "muscles" says whether static optimization finds activations that follow the plan, and up to which
+activation, or how much torque the muscles lack. If they lack torque, no excitations can follow the plan, and the errors
+show how far the movement is from it. A run is a success if the mean error of every joint is below 0.1 rad.
 
 | scenario | plan | muscles | mean error | largest error | end error | success rate with noise | training (s) |
 |---|---|---|---|---|---|---|---|

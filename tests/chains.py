@@ -1,11 +1,11 @@
-"""Chains of links other than the arm, for tests of what must hold for any of them."""
+"""Chains of links that are not the arm, for tests of laws that hold for every chain."""
 
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 
 def make_chain(joints: int) -> MultibodyPlant:
-    """Revolute joints about axes that are not parallel, so that every entry of the mass matrix varies."""
+    """A chain of revolute joints. Their axes are not parallel, so that every entry of the mass matrix varies."""
     links = "".join(
         f'<link name="l{i}"><inertial><origin xyz="0.05 {-0.1 - 0.02 * i} 0.03"/><mass value="{1 + i}"/>'
         f'<inertia ixx="0.02" iyy="0.01" izz="0.03" ixy="0.002" ixz="0.001" iyz="0"/></inertial></link>'

@@ -19,11 +19,11 @@ def arm() -> Arm:
 
 @pytest.fixture(scope="session")
 def oracle():
-    """Loads an array file of OpenSim's answers; skips the test where they are not at hand."""
+    """Loads an array file with results of OpenSim. Skips the test if the file is missing."""
 
     def load(name: str):
         if not (ORACLE / name).is_file():
-            pytest.skip(f"OpenSim's answers ({name}) are not here")
+            pytest.skip(f"the file {name} with results of OpenSim is missing")
         return np.load(ORACLE / name)
 
     return load
@@ -31,7 +31,7 @@ def oracle():
 
 @pytest.fixture(scope="session")
 def reference() -> Reference:
-    """A minimum-jerk movement of the elbow from 0 to 90 degrees in 0.7 s, then rest; made without planning."""
+    """A minimum-jerk movement of the elbow from 0 to 90 degrees in 0.7 s, then rest. It is not planned."""
     t = np.arange(76) * CONTROL_STEP
     s = np.minimum(t / 0.7, 1.0)
     q, v, a = np.zeros((3, len(t), 2))

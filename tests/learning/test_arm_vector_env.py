@@ -1,4 +1,4 @@
-"""ArmVectorEnv: Gymnasium's contract for vector environments, and tasks that one batch mixes."""
+"""ArmVectorEnv: Gymnasium's contract for vector environments, and batches that mix several tasks."""
 
 import re
 from dataclasses import replace
@@ -18,7 +18,7 @@ def shortened(reference, steps):
     return Reference(*(getattr(reference, name)[: steps + 1] for name in ("t", "q", "v", "a", "tau")))
 
 
-def test_it_resets_itself_in_the_same_step(task):
+def test_an_environment_is_reset_in_the_step_that_ends_its_episode(task):
     envs = ArmVectorEnv(task, 3)
     assert envs.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
     envs.reset(seed=0)
@@ -32,8 +32,8 @@ def test_it_resets_itself_in_the_same_step(task):
     np.testing.assert_allclose(observation[:, 28:42], 0.05)  # resting activations
 
 
-def test_every_arm_ends_with_its_own_reference(task):
-    """Arms 0, 2, 4 follow 75 steps, arms 1 and 3 follow 30: each starts anew when its own reference ends."""
+def test_the_episode_of_an_arm_ends_with_its_own_reference(task):
+    """Arms 0, 2, 4 follow 75 steps, arms 1 and 3 follow 30: each is reset when its own reference ends."""
     envs = ArmVectorEnv([task, replace(task, reference=shortened(task.reference, 30))], 5)
     envs.reset(seed=0)
     ends = []
@@ -49,8 +49,8 @@ def test_every_arm_ends_with_its_own_reference(task):
     assert ends == [*expected, (120, 1), (120, 3), *((150, arm) for arm in range(5))]
 
 
-def test_an_arm_does_not_notice_the_others(task):
-    """Reference, load, start and reward of a task are the same in a mixed batch as in one of its own."""
+def test_an_arm_is_independent_of_the_others(task):
+    """In a mixed batch it has the same states, observations and rewards as in a batch with only its task."""
     other = replace(
         task,
         reference=shortened(task.reference, 40),

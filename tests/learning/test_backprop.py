@@ -1,4 +1,4 @@
-"""Gradients by hand are autograd's, and learning from a batch follows them."""
+"""The gradients written by hand equal those of autograd, and learning from a batch follows them."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ def batch(actor: Actor, **changes) -> Batch:
     generator = torch.Generator().manual_seed(0)
     observations = torch.randn(ROWS, 6, generator=generator)
     actions = torch.randn(ROWS, 3, generator=generator) * 0.5
-    with torch.no_grad():  # as if taken by another policy, so that some ratios are clipped
+    with torch.no_grad():  # as if another policy had taken the actions, so that some ratios are clipped
         log_probs = actor.log_prob(observations, actions) + 0.3 * torch.randn(ROWS, generator=generator)
     fields = {
         "observations": observations,
@@ -33,7 +33,7 @@ def batch(actor: Actor, **changes) -> Batch:
 
 @pytest.mark.parametrize("network", [Actor(6, 3, (8, 5)).mean, Critic(6, (8, 5, 4)).value])
 @pytest.mark.parametrize("rows", [1, 7, ROWS])
-def test_passes_are_those_of_autograd(network, rows):
+def test_forward_and_backward_pass_equal_those_of_autograd(network, rows):
     inputs = torch.randn(rows, 6)
     weights = torch.randn_like(network(inputs))
     flat_weights(network)
@@ -64,7 +64,7 @@ def test_the_actors_gradient_is_that_of_the_clipped_objective():
     assert 0.1 < diagnostics["clip_fraction"] < 0.9
 
 
-def test_a_deviation_that_is_scheduled_is_not_learned():
+def test_a_scheduled_standard_deviation_is_not_learned():
     actor = Actor(6, 3, (8,), learns_std=False)
     learner = ActorLearner(actor, max_grad_norm=1.0, clip=0.2)
     learner.set_learning_rate(0.1)

@@ -1,4 +1,4 @@
-"""The same seed gives the same result, bit for bit, whatever state the machine is in."""
+"""The same seed gives the same result, bit for bit, with a cold or warm cache and any number of threads."""
 
 import os
 import subprocess
@@ -12,7 +12,7 @@ from drakearm.learning import Policy
 from drakearm.learning.backprop import Backprop, flat_weights, separate_weights
 from drakearm.learning.policy import Actor, Critic
 
-# Plans, imitates and trains a little, and prints what came out.
+# Plans, imitates and trains briefly, and prints hashes of the results.
 WHOLE_RUN = """
 import hashlib
 from dataclasses import replace
@@ -37,7 +37,7 @@ for arrays in ([reference.q, reference.tau], [p.detach().numpy() for p in policy
 
 
 def run_with_cache(folder, one_core=False) -> list[str]:
-    """What WHOLE_RUN prints in a process of its own, with Numba's cache in a folder."""
+    """What WHOLE_RUN prints in a new process, with Numba's cache in a folder."""
     threads = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
     environment = os.environ | {"NUMBA_CACHE_DIR": str(folder)} | (threads if one_core else {})
     start = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n" if one_core else ""
@@ -65,8 +65,8 @@ def test_a_policy_acts_as_the_loaded_one_after_its_weights_were_flat(layers, tmp
         np.testing.assert_array_equal(loaded.act(observation), policy.act(observation))
 
 
-def test_flat_weights_lie_where_memory_of_their_own_would():
-    """Products of matrices round differently at other addresses."""
+def test_flat_weights_are_aligned_like_separate_tensors():
+    """Matrix products round differently at other addresses."""
     actor = Actor(29, 14, (63, 17))
     before = [parameter.detach().clone() for parameter in actor.parameters()]
     flat = flat_weights(actor)
@@ -79,4 +79,4 @@ def test_flat_weights_lie_where_memory_of_their_own_would():
     backprop.forward(torch.ones(5, 29))
     backprop.backward(torch.ones(5, 14))
     written = sum(int(parameter.grad.count_nonzero()) for parameter in actor.parameters())
-    assert int(flat.grad.count_nonzero()) == written > 0  # nothing lies between the views
+    assert int(flat.grad.count_nonzero()) == written > 0  # the gradient between the views stays 0

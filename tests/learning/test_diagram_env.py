@@ -1,4 +1,4 @@
-"""DiagramEnv: Gymnasium's contract, repeatable seeds, clear refusals, and the same arm as in the closed loop."""
+"""DiagramEnv: Gymnasium's contract, repeatable seeds, clear errors, and the same arm as in the closed loop."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_time_limit_truncates_and_does_not_terminate(env):
 
 
 @pytest.mark.parametrize("action", [np.full(14, np.nan), np.full(14, np.inf), np.zeros(13), 0.5])
-def test_unusable_action_is_refused_and_the_episode_goes_on(env, action):
+def test_an_unusable_action_is_refused_and_the_episode_continues(env, action):
     env.reset(seed=0)
     env.step(np.zeros(14))
     with pytest.raises(ActionError, match=r"step 1 .*14 finite"):
@@ -66,7 +66,7 @@ def test_unusable_action_is_refused_and_the_episode_goes_on(env, action):
 
 
 def test_actions_are_excitations(env):
-    """Activations rise where, and only where, the action says so."""
+    """Only the muscle with excitation 1 becomes active."""
     env.reset(seed=0)
     action = np.zeros(14)
     action[5] = 1.0
@@ -76,7 +76,7 @@ def test_actions_are_excitations(env):
 
 
 def test_environment_and_closed_loop_are_the_same_arm(task):
-    """A policy moves the arm of the environment and that of the closed-loop Diagram alike, to the last bit."""
+    """A policy moves the arm of the environment and the arm of the closed-loop Diagram identically, bit for bit."""
 
     def policy(observation):
         return np.clip(0.1 + 0.3 * np.sin(np.arange(14) + 20.0 * observation[:14]), 0.0, 1.0)
@@ -94,7 +94,7 @@ def test_environment_and_closed_loop_are_the_same_arm(task):
 
 
 class _EndsAbove(LeafSystem):
-    """Reports the end of an episode when its input exceeds a half."""
+    """Reports the end of an episode when its input exceeds 0.5."""
 
     def __init__(self):
         super().__init__()
@@ -111,7 +111,7 @@ class _EndsAbove(LeafSystem):
         return EventStatus.Succeeded()
 
 
-def test_any_diagram_with_the_ports_will_do_and_its_termination_is_not_truncation():
+def test_any_diagram_with_the_ports_works_and_its_termination_is_not_a_truncation():
     builder = DiagramBuilder()
     integrator, judge = builder.AddSystem(Integrator(1)), builder.AddSystem(_EndsAbove())
     builder.Connect(integrator.get_output_port(), judge.GetInputPort("x"))

@@ -1,4 +1,4 @@
-"""Generalized advantage estimates against the definition, written out per trajectory."""
+"""Generalized advantage estimates equal their definition, computed for each step of each trajectory."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Imitation: the expert tracks what muscles can do, and an actor learns it from a few rounds."""
+"""Imitation: the expert tracks a movement that the muscles can follow, and an actor learns it in a few rounds."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ def errors(envs: ArmVectorEnv, act) -> np.ndarray:
 
 
 @pytest.mark.parametrize("load", [0.0, 2.0])
-def test_the_expert_tracks_what_muscles_can_do(task, load):
+def test_the_expert_tracks_a_movement_that_the_muscles_can_follow(task, load):
     task = replace(task, load_mass=load)
     expert = StaticExpert([task], 2)
     act = lambda observation, info, k: expert.act(info["arm_state"], info["activation"], np.full(2, k))  # noqa: E731
@@ -41,7 +41,7 @@ def test_an_actor_learns_to_track_by_imitation(task):
     assert rounds == [1, 2, 3]
 
 
-def test_the_same_seed_teaches_the_same(task):
+def test_the_same_seed_gives_the_same_actor(task):
     short = replace(task, reference=replace(task.reference, **{n: getattr(task.reference, n)[:6] for n in "tqva"}))
     weights = []
     for seed in (0, 0, 1):
@@ -52,7 +52,7 @@ def test_the_same_seed_teaches_the_same(task):
     assert (weights[0] != weights[2]).any()
 
 
-def test_tasks_may_be_mixed(task):
+def test_an_actor_can_imitate_several_tasks(task):
     short = replace(task, reference=replace(task.reference, **{n: getattr(task.reference, n)[:6] for n in "tqva"}))
     actor = Actor(58, 14, (16,))
     before = actor.mean[0].weight.clone()

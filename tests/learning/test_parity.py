@@ -1,4 +1,4 @@
-"""DiagramEnv and ArmVectorEnv are the same: every shipped scenario, alone and all in one batch, over whole episodes."""
+"""DiagramEnv and ArmVectorEnv compute the same in whole episodes of all shipped scenarios, alone and in one batch."""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,7 +19,7 @@ BEYOND = 5  # steps into the second episode
 
 
 def draw_actions(kind, steps, arms, seed=0):
-    """Excitations (steps, arms, 14): anywhere, or where an untrained policy's are."""
+    """Excitations (steps, arms, 14): uniform in [0, 1], or distributed as those of an untrained policy."""
     rng = np.random.default_rng(seed)
     if kind == "uniform":
         return rng.random((steps, arms, 14))
@@ -32,7 +32,10 @@ def diagrams(tasks):
 
 
 def assert_same(names, step, actual, expected):
-    """Names the quantity and the scenario that part most at a step. Both: quantity to array (N, ...)."""
+    """Compares a step. The message names the quantity and the scenario that differ.
+
+    actual, expected: arrays (N, ...) by quantity.
+    """
     for quantity, values in actual.items():
         tolerance = TOLERANCE.get(quantity, 1e-8)
         desired = np.asarray(expected[quantity], dtype=float)
@@ -40,29 +43,32 @@ def assert_same(names, step, actual, expected):
         arms = excess.reshape(len(names), -1).max(axis=1)
         worst = int(arms.argmax())
         assert arms[worst] <= 0.0, (
-            f"{names[worst]} parts at step {step} in {quantity}: {values[worst]} and on the Diagram {desired[worst]}"
+            f"{names[worst]} differs at step {step} in {quantity}: {values[worst]}, on the Diagram {desired[worst]}"
         )
 
 
 def transition(step, names):
-    """What a step returned, with the info of the transition where Gymnasium has the reset's."""
+    """What a step returned, by quantity. After a reset, the info is that of the transition and not of the reset."""
     observation, reward, terminated, truncated, info = step
-    told = {name: info[name].copy() for name in ("arm_state", "activation", "tracking_error")}
+    reported = {name: info[name].copy() for name in ("arm_state", "activation", "tracking_error")}
     final = np.zeros_like(observation)
     for i in np.flatnonzero(truncated):
         final[i] = info["final_obs"][i]
-        for name, values in told.items():
+        for name, values in reported.items():
             values[i] = info.get("final_info", info)[name][i]
     ends = {"terminated": terminated.astype(float), "truncated": truncated.astype(float)}
-    return told | {"reward": reward} | ends | {"final_obs": final, "observation": observation}
+    return reported | {"reward": reward} | ends | {"final_obs": final, "observation": observation}
 
 
 def assert_parity(names, many, ones, actions, seed, first=0):
-    """Walks the arms of `many` from `first` on beside `ones`. actions: (steps, arms of many, 14)."""
+    """Compares the arms of `many`, from arm `first`, with the environments `ones`.
+
+    actions: (steps, arms of many, 14).
+    """
     arms = slice(first, first + len(names))
     observation, _ = many.reset(seed=seed)
-    wanted, _ = ones.reset(seed=seed + first)
-    assert_same(names, 0, {"first observation": observation[arms]}, {"first observation": wanted})
+    desired, _ = ones.reset(seed=seed + first)
+    assert_same(names, 0, {"first observation": observation[arms]}, {"first observation": desired})
     for k, action in enumerate(actions):
         *result, info = many.step(action)
         info = {name: values[arms] for name, values in info.items()}
@@ -80,7 +86,7 @@ def test_every_scenario(name, kind):
 
 @pytest.mark.parametrize("kind", ["uniform", "policy"])
 def test_all_scenarios_in_one_batch(kind):
-    """Of seven arms for every scenario the fourth ones are compared: they lie in two of the kernel's blocks."""
+    """Every scenario has seven arms. The fourth one is compared, so that arms from two blocks of lanes are compared."""
     tasks = [scenario_task(name) for name in NAMES]
     many = ArmVectorEnv(tasks, 7 * len(tasks))
     assert LANES < many.num_envs < 2 * LANES
@@ -97,7 +103,7 @@ def test_the_papers_observation(task):
 
 @dataclass(frozen=True)
 class Effort(Reward):
-    """A user's own: the squares of the excitations, and the error of the elbow."""
+    """A user's reward: minus squared excitations, squared error of the elbow and tendon forces, with weights."""
 
     type = "test_effort"
     reads = ("excitation", "tendon_force", "reference", "arm_state")
@@ -111,7 +117,7 @@ class Effort(Reward):
 
 @dataclass(frozen=True)
 class StartAnywhere(Start):
-    """A user's own: at any sample of the reference, moving as it does, with muscles that are awake."""
+    """A user's start: at a random sample of the reference, with its speed, and with active muscles."""
 
     def __call__(self, reference, rng):
         step = 0 if rng is None else int(rng.integers(len(reference.t) - 1))
@@ -119,7 +125,7 @@ class StartAnywhere(Start):
 
 
 def test_a_users_own_senses_reward_and_start(task):
-    """None of them is known to the package, and both environments compute the same."""
+    """The package knows none of them. Both environments compute the same."""
     power = Sense(
         "power",
         reads=("tendon_force", "fiber_velocity"),

@@ -18,7 +18,7 @@ def policy():
     generator = torch.Generator().manual_seed(0)
     actor = Actor(5, 3, (16, 16), initial_action=0.2, initial_std=0.5, generator=generator)
     with torch.no_grad():
-        actor.mean[-1].weight.mul_(100)  # as after a training: actions that differ and meet bounds
+        actor.mean[-1].weight.mul_(100)  # as after training: actions differ, and some reach the bounds
     return Policy(actor, Critic(5, (8,), generator=generator), [0, 0, 0], [1, 1, 0.1], METADATA)
 
 

@@ -1,4 +1,4 @@
-"""PPO on small environments whose answers are known."""
+"""PPO on small environments with known solutions."""
 
 import csv
 import math
@@ -37,7 +37,7 @@ SMALL = PpoSettings(
 
 
 class Counter(gymnasium.Env):
-    """Observes the number of steps so far; reward 1 a step; ends after `length` of them."""
+    """Observes the number of steps so far; the reward is 1 per step; an episode has `length` steps."""
 
     observation_space = Box(-np.inf, np.inf, (1,), np.float64)
     action_space: gymnasium.Space = Box(-1.0, 1.0, (1,), np.float64)
@@ -59,9 +59,9 @@ class Counter(gymnasium.Env):
 
 
 class Tracker(gymnasium.Env):
-    """A point that moves by its action and should follow a sine; a time limit of 20 steps.
+    """A point that moves by its action and should follow a sine. An episode is truncated after 20 steps.
 
-    Observes position and target; the best action is their difference and earns 0.
+    Observes position and target. The best action is their difference; its reward is 0.
     """
 
     observation_space = Box(-np.inf, np.inf, (2,), np.float32)
@@ -101,7 +101,7 @@ def collect(envs, steps, batches=1):
 @pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
 def test_a_batch_holds_the_true_successors_and_no_resets(mode, terminates):
     envs = vectorize(Counter, mode=mode, length=5, terminates=terminates)
-    rollouts = collect(envs, steps=8, batches=3)  # ends and resets fall on both sides of a seam
+    rollouts = collect(envs, steps=8, batches=3)  # some episodes continue in the next batch
     valid = np.concatenate([rollout.valid for rollout in rollouts])
     before = np.concatenate([rollout.observations for rollout in rollouts])[valid]
     after = np.concatenate([rollout.successors for rollout in rollouts])[valid]
@@ -137,7 +137,7 @@ def test_value_looks_beyond_a_time_limit_but_not_beyond_a_termination(mode, term
     reports = []
     policy = train(envs, settings, seed=0, metadata={}, on_batch=reports.append)
     assert policy.critic(torch.zeros(1)).item() == pytest.approx(value, rel=0.15)
-    if terminates:  # then the returns vary, and only with what the critic sees
+    if terminates:  # then the returns vary, and the observation determines them
         assert reports[-1].explained_variance > 0.95
 
 
@@ -175,7 +175,7 @@ def test_the_same_seed_gives_the_same_policy():
     assert not torch.equal(first, weights(8))
 
 
-def test_log_has_a_row_a_batch_that_says_what_on_batch_was_told(tmp_path):
+def test_the_log_has_one_row_per_batch_with_the_values_of_its_report(tmp_path):
     path = tmp_path / "run" / "training.csv"
     reports = []
     rows_seen = []
@@ -187,18 +187,18 @@ def test_log_has_a_row_a_batch_that_says_what_on_batch_was_told(tmp_path):
     train(vectorize(Tracker), SMALL, seed=0, metadata={}, log_path=path, on_batch=on_batch)
     with path.open() as file:
         rows = list(csv.DictReader(file))
-    assert rows_seen == [1, 2, 3]  # written as it goes
+    assert rows_seen == [1, 2, 3]  # written during the training
     assert list(rows[0]) == [field.name for field in fields(BatchReport)]
     assert [int(row["batch"]) for row in rows] == [1, 2, 3]
     for row, report in zip(rows, reports, strict=True):
         assert float(row["tracking_error"]) == report.tracking_error > 0
         assert float(row["approx_kl"]) == report.approx_kl >= 0
-    assert math.isnan(reports[0].mean_reward)  # 16 steps, and no episode is that short
+    assert math.isnan(reports[0].mean_reward)  # no episode ends in the 16 steps of the first batch
     assert reports[1].mean_reward < 0
     assert reports[-1].seconds_left == 0
 
 
-def test_tracking_error_is_nan_where_environments_do_not_tell():
+def test_tracking_error_is_nan_if_info_has_none():
     reports = []
     train(vectorize(Counter), SMALL, seed=0, metadata={}, on_batch=reports.append)
     assert all(math.isnan(report.tracking_error) for report in reports)
@@ -223,7 +223,7 @@ def test_a_killed_training_leaves_a_checkpoint_and_a_finished_one_the_policy(tmp
     assert (final.act(observation) != early).any()
 
 
-def test_thread_count_is_as_before():
+def test_training_restores_the_number_of_threads():
     before = torch.get_num_threads()
     torch.set_num_threads(2)
     try:
@@ -257,7 +257,7 @@ class Breaks(Counter):
         (Counter, {"reward": 1e30}, {}, "gradient of the loss is not finite in batch 1"),
     ],
 )
-def test_what_cannot_be_trained_is_refused_in_a_sentence(environment, arguments, changes, sentence):
+def test_unusable_environments_and_settings_are_refused(environment, arguments, changes, sentence):
     with pytest.raises(TrainingError, match=sentence):
         train(vectorize(environment, **arguments), replace(SMALL, **changes), seed=0, metadata={})
 
@@ -277,7 +277,7 @@ def test_settings_come_from_plain_data():
 
 
 class Erring(Counter):
-    """Tells the number of steps so far as its tracking error, and something absurd at a reset."""
+    """Reports minus the number of steps so far as its tracking error, and 1000 at a reset."""
 
     def reset(self, *, seed=None, options=None):
         observation, _ = super().reset(seed=seed)
@@ -304,7 +304,7 @@ def test_exploration_fades_as_scheduled():
 
 
 def test_the_learning_rate_holds_the_divergence():
-    """From a rate a hundred times too high and too low alike."""
+    """The first rate is a hundred times too high, then a hundred times too low."""
     for learning_rate in (1e-1, 1e-5):
         reports = []
         settings = replace(SMALL, batches=60, learning_rate=learning_rate, target_kl=0.01)

@@ -1,4 +1,4 @@
-"""What a replay's page must hold, and that a browser shows it."""
+"""The content of a replay's page, and how a browser shows it."""
 
 import re
 import shutil
@@ -58,7 +58,7 @@ def page(arm: Arm, recording: Recording, tmp_path_factory: pytest.TempPathFactor
     return file
 
 
-def test_the_obstacle_stands_in_the_world_and_has_no_ghost(arm: Arm, recording: Recording, tmp_path: Path) -> None:
+def test_the_obstacle_is_fixed_in_the_world_and_has_no_ghost(arm: Arm, recording: Recording, tmp_path: Path) -> None:
     obstacle = Obstacle(position=(0.33, 0.25, 0.17), radius=0.03, length=0.25)
     write_replay(tmp_path / "replay.html", arm, recording, obstacle=obstacle)
     shapes = [c for c in _commands(tmp_path / "replay.html") if b"CylinderGeometry" in c and b"/arm/world/" in c]
@@ -72,7 +72,7 @@ def test_the_obstacle_stands_in_the_world_and_has_no_ghost(arm: Arm, recording: 
     [lambda task, meshcat: MakePolicyLoop(task, lambda _: np.zeros(14), meshcat), MakeStaticLoop],
     ids=["policy", "static"],
 )
-def test_a_loop_that_is_drawn_live_shows_the_obstacle(make: Callable, reference: Reference) -> None:
+def test_a_live_drawing_of_a_loop_shows_the_obstacle(make: Callable, reference: Reference) -> None:
     params = MeshcatParams()
     params.host, params.port = "localhost", 0
     meshcat = Meshcat(params)
@@ -82,7 +82,7 @@ def test_a_loop_that_is_drawn_live_shows_the_obstacle(make: Callable, reference:
 
 
 def _commands(page: Path) -> list[bytes]:
-    """The commands to Meshcat that a page holds, as msgpack."""
+    """The commands to Meshcat in a page, in msgpack format."""
     codes = re.findall(r'fetch\("data:[^,"]*,([^"]*)"', page.read_text())
     return [b64decode(code) for code in codes]
 
@@ -90,7 +90,7 @@ def _commands(page: Path) -> list[bytes]:
 def test_every_piece_of_every_muscle_moves_in_every_frame(page: Path, arm: Arm) -> None:
     (animation,) = [c for c in _commands(page) if b"set_animation" in c]
     clips = animation.split(b"\xa4path")[1:]
-    frames = SAMPLES + 1  # the last one ends the pause before the repetition
+    frames = SAMPLES + 1  # the last frame ends the pause before the next repetition
     for muscle in arm.muscles:
         for k in range(len(muscle.points) - 1):
             piece = f"/drakearm/muscles/{muscle.name}/{k}"
@@ -104,19 +104,19 @@ def test_every_piece_of_every_muscle_moves_in_every_frame(page: Path, arm: Arm) 
 
 
 def _of(clips: list[bytes], path: str) -> bytes:
-    """The clip of a path."""
+    """The animation clip of the object at a path."""
     (clip,) = [clip for clip in clips if clip.split(b"\xa4clip")[0].endswith(path.encode())]
     return clip
 
 
-def test_page_loads_nothing_from_elsewhere(page: Path) -> None:
+def test_page_loads_no_other_files(page: Path) -> None:
     text = page.read_text()
     assert not re.findall(r"<(?:script|link|img|iframe)[^>]*(?:src|href)\s*=", text)
     assert not re.findall(r"""(?:fetch|import|WebSocket)\(\s*["'](?:https?|wss?):""", text)
     assert not re.findall(r"@import|url\(\s*[\"']?https?:", text)
 
 
-def test_title_is_text(page: Path) -> None:
+def test_the_title_is_escaped(page: Path) -> None:
     text = page.read_text()
     assert "<title>Lift &lt;2 kg&gt;</title>" in text
     assert "<h1>Lift &lt;2 kg&gt;</h1>" in text

@@ -1,4 +1,4 @@
-"""The table of senses, and what is refused of a user's own."""
+"""The table of senses, and the errors for senses and rewards that are impossible."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from drakearm.errors import TaskError
 from drakearm.task import OBSERVATIONS, SENSES, SIGNALS, Observation, Sense, observation_set, signal_size
 
 
-def test_sets_are_rows_of_the_table():
+def test_observation_sets_consist_of_rows_of_the_table():
     assert [sense.name for sense in OBSERVATIONS["paper"]] == ["fiber_length", "fiber_velocity"]
     assert set(OBSERVATIONS["full"]) <= set(SENSES)
     with pytest.raises(TaskError, match="no observation set 'smell': expected one of paper, full"):
@@ -36,8 +36,8 @@ def test_one_arm_and_many_arms_observe_the_same(task):
     assert task.observation.places["activation"] == slice(28, 42)
 
 
-def test_senses_and_rewards_that_cannot_be_are_refused_in_a_sentence(task):
-    with pytest.raises(TaskError, match="sense smell reads the signal 'smell': expected some of arm_state"):
+def test_impossible_senses_and_rewards_are_refused_with_a_clear_sentence(task):
+    with pytest.raises(TaskError, match="sense smell reads the signal 'smell': expected one of arm_state"):
         Sense("smell")
     with pytest.raises(TaskError, match="sense push reads the signal 'arm_acceleration'"):
         Sense("push", reads=("arm_acceleration",))
@@ -46,5 +46,5 @@ def test_senses_and_rewards_that_cannot_be_are_refused_in_a_sentence(task):
     with pytest.raises(TaskError, match="senses activation, activation"):
         replace(task, senses=(SENSES[2], SENSES[2])).observation.size  # noqa: B018
     wrong = Sense("wrong", reads=("activation",), calc=lambda activation: activation, size=3)
-    with pytest.raises(TaskError, match=r"shapes wrong \(14,\): expected on the last axis wrong 3"):
+    with pytest.raises(TaskError, match=r"shapes wrong \(14,\): expected the last axes wrong 3"):
         replace(task, senses=(wrong,)).observation({"activation": np.zeros(14)})
