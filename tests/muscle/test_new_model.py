@@ -16,7 +16,6 @@ CURVES = (
     "velocity_of_force",
     "force_of_velocity",
 )
-NEW_FIELD = "    twice2026: np.ndarray | None\n"
 SCRIPT = """
 from dataclasses import replace
 import numpy as np
@@ -92,10 +91,7 @@ def test_a_new_model_takes_three_files(tmp_path):
             "import DEGROOTE2016, MODEL_CODES, MODELS, THELEN2003,",
             "import DEGROOTE2016, MODEL_CODES, MODELS, THELEN2003, TWICE2026,",
         ),
-        (
-            "    degroote2016: np.ndarray | None\n",
-            "    degroote2016: np.ndarray | None\n    twice2026: np.ndarray | None\n",
-        ),
+        ("    rigid: np.ndarray | None", "    twice2026: np.ndarray | None\n    rigid: np.ndarray | None"),
         ("work, thelen2003, degroote2016, rigid\n):", "work, thelen2003, degroote2016, twice2026, rigid\n):"),
         (
             "    if rigid is not None:\n        _path_speeds(arm_state",
