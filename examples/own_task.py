@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from drakearm.experiments import load_scenario, make_task_env
 from drakearm.learning import ArmVectorEnv, PpoSettings, train
 from drakearm.model import load_arm
@@ -53,7 +51,7 @@ def main(settings: PpoSettings) -> float:
     while not ended:
         observation, reward, _, ended, _ = env.step(policy.act(observation))
         total += reward
-    print(f"observations of {np.size(observation)} numbers, return of one episode on the Diagram {total:.3f}")
+    print(f"observations of {len(observation)} numbers, return of one episode on the Diagram {total:.3f}")
     return total
 
 

@@ -40,8 +40,8 @@ app.command("replay")(replay.replay)
 app.command("run")(run.run)
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
+def _show_version(asked: bool) -> None:
+    if asked:
         from drakearm.version import __version__
 
         console.print(f"drakearm {__version__}", highlight=False)

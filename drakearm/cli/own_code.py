@@ -21,8 +21,9 @@ def import_own_code(modules: Iterable[str] | None) -> None:
         except OwnCodeError:
             raise
         except (Exception, SystemExit) as error:
+            said = str(error).rstrip(".")
             raise OwnCodeError(
-                f"--import {module} failed in {_place(error)}: {type(error).__name__}: {error}."
+                f"--import {module} failed in {_place(error)}: {type(error).__name__}: {said}."
             ) from error
 
 
