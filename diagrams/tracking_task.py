@@ -33,7 +33,7 @@ class TaskSystems:
         """Draws a start state, sets the arm and the time to it, and returns it. The time is that on the reference."""
         start = self.StartState(rng)
         root_context.SetTime(start.step * CONTROL_STEP)
-        self.arm.SetState(root_context, start.q, start.v, start.activation)
+        self.arm.SetState(root_context, start.q, np.broadcast_to(start.v, len(start.q)), start.activation)
         return start
 
 

@@ -55,7 +55,8 @@ class ArmVectorEnv(VectorEnv):
         # The samples of all references, one reference after the other. Arm i follows rows _first[i] to _last[i].
         self._reference = np.concatenate([task.reference.preview() for task in tasks])
         previews = [task.reference.preview(task.lookahead) for task in tasks]
-        self._preview_q, self._preview_v = np.hsplit(np.concatenate(previews), 2)
+        halves = np.hsplit(np.concatenate(previews), 2)
+        self._preview_q, self._preview_v = (np.ascontiguousarray(half) for half in halves)
         self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]), task_of_arm)
         self._row = self._first.copy()
 
@@ -65,9 +66,9 @@ class ArmVectorEnv(VectorEnv):
         self._signals: dict[str, Callable[[], np.ndarray]] = {
             "arm_state": lambda: self._arm_state,
             "arm_acceleration": lambda: self._acceleration,
-            "reference": lambda: self._reference[self._row],
-            "preview_q": lambda: self._preview_q[self._row],
-            "preview_v": lambda: self._preview_v[self._row],
+            "reference": lambda: self._reference.take(self._row, axis=0),
+            "preview_q": lambda: self._preview_q.take(self._row, axis=0),
+            "preview_v": lambda: self._preview_v.take(self._row, axis=0),
             "excitation": lambda: self._excitation,
             "activation": lambda: self._muscle_state[:, :n],
             "fiber_length": lambda: self._muscle_state[:, n : 2 * n],
@@ -95,7 +96,7 @@ class ArmVectorEnv(VectorEnv):
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Advances every environment by a control step. Raises ActionError unless actions are (N, n) finite numbers."""
-        values = np.ascontiguousarray(actions, dtype=np.float64)
+        values = np.array(actions, dtype=np.float64, order="C")  # a copy, which is kept
         if values.shape != self.action_space.shape or not np.isfinite(values).all():
             raise ActionError(
                 f"The actions have the shape {values.shape} and {np.sum(~np.isfinite(values))} values that are not "
@@ -103,7 +104,7 @@ class ArmVectorEnv(VectorEnv):
             )
         self._acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
-        self._excitation = values.copy()
+        self._excitation = values
         self._row += 1
         reward = self._reward()
         truncated = self._row == self._last
@@ -123,10 +124,12 @@ class ArmVectorEnv(VectorEnv):
     def _restart(self, which: np.ndarray) -> None:
         arms = np.flatnonzero(which)
         starts = [self._task[k].start(self._task[k].reference, self._generators[k]) for k in arms]
-        q = np.clip(np.array([start.q for start in starts]), self._lower, self._upper)
-        activation = np.array([np.broadcast_to(start.activation, self._n) for start in starts])
-        arm_state = np.hstack([q, np.array([start.v for start in starts])])
-        self._row[which] = self._first[which] + [start.step for start in starts]
+        arm_state, activation = np.empty((len(starts), 2 * self._n_q)), np.empty((len(starts), self._n))
+        for k, start in enumerate(starts):
+            arm_state[k, : self._n_q], arm_state[k, self._n_q :], activation[k] = start.q, start.v, start.activation
+        q = arm_state[:, : self._n_q].clip(self._lower, self._upper)
+        arm_state[:, : self._n_q] = q
+        self._row[which] = self._first[which] + np.array([start.step for start in starts])
         self._excitation[which] = 0.0
         self._arms.set_state(which, arm_state, resting_states(self._arm, q, activation))
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
@@ -136,6 +139,9 @@ class ArmVectorEnv(VectorEnv):
         return self._observation(signals).astype(np.float32)
 
     def _reward(self) -> np.ndarray:
+        if len(self._rewards) == 1:
+            reward, _ = self._rewards[0]
+            return reward(*(self._signals[name]() for name in reward.reads))
         total = np.empty(self.num_envs)
         for reward, arms in self._rewards:
             total[arms] = reward(*(self._signals[name]()[arms] for name in reward.reads))
@@ -148,18 +154,16 @@ class ArmVectorEnv(VectorEnv):
     def _info(self) -> dict[str, Any]:
         info = {
             "arm_state": self._arm_state,
-            "tracking_error": (self._arm_state - self._reference[self._row])[:, : self._n_q],
+            "tracking_error": (self._arm_state - self._reference.take(self._row, axis=0))[:, : self._n_q],
             "activation": self._muscle_state[:, : self._n],
         }
         everywhere = np.ones(self.num_envs, dtype=bool)
         return info | {f"_{name}": everywhere for name in info}
 
 
-def _arms_by_reward(rewards: list[Reward], task_of_arm: np.ndarray) -> list[tuple[Reward, slice | np.ndarray]]:
+def _arms_by_reward(rewards: list[Reward], task_of_arm: np.ndarray) -> list[tuple[Reward, np.ndarray]]:
     """Each distinct reward of the tasks, with the indices of the arms that have it."""
     distinct = [reward for k, reward in enumerate(rewards) if reward not in rewards[:k]]
-    if len(distinct) == 1:
-        return [(distinct[0], slice(None))]  # a slice selects without copying
     reward_of_task = np.array([distinct.index(reward) for reward in rewards])
     return [(reward, np.flatnonzero(reward_of_task[task_of_arm] == k)) for k, reward in enumerate(distinct)]
 

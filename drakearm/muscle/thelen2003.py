@@ -96,4 +96,4 @@ def force_of_velocity(velocity, m):
 @inlined
 def velocity_scale(activation, m):
     """Factor of the velocity at an activation, and its slope (eq. 6): 0.25 at activation 0, 1 at full activation."""
-    return 0.25 + 0.75 * activation, 0.75
+    return fma(0.75, activation, 0.25), 0.75

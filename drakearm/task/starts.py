@@ -19,7 +19,7 @@ class StartState(NamedTuple):
     """The state of an arm at the start of an episode. Each fiber starts in equilibrium with its tendon."""
 
     q: np.ndarray  # (n_q,) rad; it will be clipped to the joints' ranges
-    v: np.ndarray  # (n_q,) rad/s
+    v: float | np.ndarray = 0.0  # rad/s, one number for all joints, or (n_q,)
     activation: float | np.ndarray = RESTING_ACTIVATION  # one number for all muscles, or (n,)
     step: int = 0  # of the reference, at which the episode starts; it is shorter by this many control steps
 
@@ -49,7 +49,7 @@ class ReferenceStart(Start):
         q = reference.q[0]
         if rng is not None:
             q = q + self.noise * rng.standard_normal(len(q))
-        return StartState(q, np.zeros(len(q)))
+        return StartState(q)
 
     def random_posture(self, reference: Reference) -> Sequence[Expression]:
         return [
