@@ -61,7 +61,7 @@ def close_loop(
     connected already.
     """
     muscles, excitation = systems.arm.muscles, controller.GetOutputPort("excitation")
-    builder.Connect(excitation, systems.excitation.get_input_port())
+    builder.Connect(excitation, systems.excitation)
     ports = {
         "arm_state": systems.arm.plant.get_state_output_port(),
         "reward": systems.reward.GetOutputPort("reward"),

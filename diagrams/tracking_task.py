@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import SceneGraph
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort
 from pydrake.systems.primitives import Demultiplexer, PassThrough, TrajectorySource
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
@@ -16,11 +16,11 @@ from drakearm.task import StartState, TrackingTask
 
 @dataclass(frozen=True)
 class TaskSystems:
-    """The systems of a task in a Diagram. Connect the excitations of a controller to the input of `excitation`."""
+    """The systems of a task in a Diagram. Connect the excitations of a controller to the port `excitation`."""
 
     task: TrackingTask
     arm: MuscleArm
-    excitation: PassThrough
+    excitation: InputPort
     proprioception: Proprioception
     reward: TrackingReward
 
@@ -49,8 +49,6 @@ def AddTrackingTask(builder: DiagramBuilder, task: TrackingTask, scene_graph: Sc
         arm.plant.GetMutableJointByName(name).set_random_angle_distribution(angle)
 
     n, n_preview = len(task.arm.muscles), len(task.arm.coordinates) * len(task.lookahead)
-    excitation = builder.AddNamedSystem("excitation", PassThrough(n))
-    builder.Connect(excitation.get_output_port(), arm.muscles.GetInputPort("excitation"))
     reference = builder.AddNamedSystem("reference", TrajectorySource(task.reference.preview_trajectory(), 1))
     preview = builder.AddNamedSystem("preview", TrajectorySource(task.reference.preview_trajectory(task.lookahead), 1))
     previews = builder.AddNamedSystem("preview_q_and_v", Demultiplexer(2 * n_preview, n_preview))
@@ -61,13 +59,17 @@ def AddTrackingTask(builder: DiagramBuilder, task: TrackingTask, scene_graph: Sc
         "reference": reference.get_output_port(),
         "preview_q": previews.get_output_port(0),
         "preview_v": previews.get_output_port(1),
-        "excitation": excitation.get_output_port(),
     } | {
         name: arm.muscles.GetOutputPort(name)
         for name in ("activation", "fiber_length", "fiber_velocity", "tendon_force")
     }
     proprioception = builder.AddNamedSystem("proprioception", Proprioception(task))
     reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
+    excitation = arm.muscles.GetInputPort("excitation")
+    if "excitation" in (*proprioception.observation.reads, *task.reward.reads):
+        shared = builder.AddNamedSystem("excitation", PassThrough(n))
+        builder.Connect(shared.get_output_port(), excitation)
+        excitation, signals["excitation"] = shared.get_input_port(), shared.get_output_port()
     for system in (proprioception, reward):
         for i in range(system.num_input_ports()):
             port = system.get_input_port(i)
@@ -83,7 +85,7 @@ def MakeTrackingTask(task: TrackingTask) -> tuple[Diagram, TaskSystems]:
     """
     builder = DiagramBuilder()
     systems = AddTrackingTask(builder, task)
-    builder.ExportInput(systems.excitation.get_input_port(), "actions")
+    builder.ExportInput(systems.excitation, "actions")
     builder.ExportOutput(systems.proprioception.get_output_port(), "observations")
     builder.ExportOutput(systems.reward.GetOutputPort("reward"), "reward")
     builder.ExportOutput(systems.arm.plant.get_state_output_port(), "arm_state")

@@ -37,7 +37,7 @@ def main(run: Path, realtime_rate: float = 0.25) -> None:
     builder.Connect(scaled.get_output_port(), sensed.get_input_port(0))
     builder.Connect(senses, sensed.get_input_port(1))
     builder.Connect(sensed.get_output_port(), controller.GetInputPort("observation"))
-    builder.Connect(controller.GetOutputPort("excitation"), systems.excitation.get_input_port())
+    builder.Connect(controller.GetOutputPort("excitation"), systems.excitation)
     MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
     MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
     diagram = builder.Build()
