@@ -59,7 +59,8 @@ def _options(
 
 def main() -> None:
     """Entry point: errors that a user can cause are one sentence on stderr and exit code 1."""
-    logging.getLogger("drake").setLevel(logging.WARNING)  # Meshcat announces itself when a replay is written
+    # Meshcat announces itself when a replay is written. A filter, because Drake sets its level when it is imported.
+    logging.getLogger("drake").addFilter(lambda record: record.levelno >= logging.WARNING)
     try:
         app()
     except DrakearmError as error:

@@ -91,3 +91,20 @@ def test_square_brackets_in_scenarios_and_paths_are_shown(tmp_path):
     assert "[bold]mine" in printed and str(out) in printed
     printed = drakearm("plan", file, "reach-000", "--out", tmp_path / "[red]runs")
     assert "[bold]mine" in printed.replace("\n", "") and "[red]runs" in printed
+
+
+def test_drake_does_not_announce_its_servers():
+    """Its level is set anew when Drake is imported, which happens inside a command."""
+    code = """
+import logging, sys
+from drakearm.cli import main
+sys.argv = ["drakearm", "--version"]
+try:
+    main()
+finally:
+    import pydrake.common
+    logging.getLogger("drake").info("Meshcat listening")
+    logging.getLogger("drake").warning("a warning")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "Meshcat listening" not in done.stderr and "a warning" in done.stderr
