@@ -40,20 +40,21 @@ def refusal(*arguments):
     return drakearm("plan", "timing-0.7s", *arguments, code=1)
 
 
+# Costs are imported in processes of their own: in one process, a type belongs to the module that defined it first.
+
+
 def test_a_cost_from_a_file(scenario, tmp_path):
-    drakearm("plan", scenario, "--out", tmp_path / "run", "--import", OWN_COST)
+    assert finish("plan", scenario, "--out", tmp_path / "run", "--import", OWN_COST) == (0, "")
     assert costs(tmp_path / "run") == {"held_joint", "torque_rate", "posture", "power"}
 
 
 def test_a_cost_from_a_module_in_the_current_folder(scenario, tmp_path):
-    """In a process of its own: in this one, another module may have defined a cost of the same type."""
     shutil.copy(OWN_COST, tmp_path / "my_costs.py")
     assert finish("plan", "mine.yaml", "--import", "my_costs", cwd=tmp_path) == (0, "")
     assert "power" in costs(tmp_path / "runs" / "mine")
 
 
 def test_each_command_of_the_run_needs_the_import(scenario, tmp_path):
-    """In processes of their own: in this one, the cost stays known once it is imported."""
     shutil.copy(OWN_COST, tmp_path / "my_costs.py")
     run = ("mine.yaml", "--out", "run")
     assert finish("plan", *run, "--import", "my_costs", cwd=tmp_path) == (0, "")
