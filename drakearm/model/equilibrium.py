@@ -7,7 +7,7 @@ import numpy as np
 from drakearm.errors import EquilibriumError
 from drakearm.model.arm import Arm
 from drakearm.model.musculature import muscle_geometry, require_state, resting_states
-from drakearm.model.skeleton import inverse_dynamics
+from drakearm.model.skeleton import gravity_torque
 from drakearm.model.static_optimization import static_activations, steady_force
 from drakearm.model.torque_arm import MakeTorqueArm
 from drakearm.muscle.compiled import compiled
@@ -47,10 +47,7 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
     n, n_q = len(arm.muscles), len(arm.coordinates)
     require_state("joint angles", q, (n_q,))
     muscles, paths, rest = arm.muscle_table, arm.path_table, np.zeros(n_q)
-    plant = MakeTorqueArm(arm, load_mass)
-    context = plant.CreateDefaultContext()
-    plant.SetPositions(context, q)
-    torque = inverse_dynamics(plant, context, rest)
+    torque = gravity_torque(MakeTorqueArm(arm, load_mass), q)
     activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), muscles, paths)
     if np.abs(reserve).max() > _NEGLIGIBLE:
         j = int(np.abs(reserve).argmax())
