@@ -1,11 +1,27 @@
 """The errors that a user of drakearm can cause. Each message says what is wrong, where, and what was expected."""
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+from pathlib import Path
+from reprlib import Repr
+from typing import Any
+
+LONGEST_MESSAGE = 300  # characters: a message is read at a glance, whatever the file holds that it quotes
+_LONGEST_PATH, _LONGEST_VALUE = 110, 40
+_SHORT = Repr()  # of lists and mappings, the first few elements
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]+")
 
 
 class DrakearmError(Exception):
-    """Base of every error that drakearm raises on purpose."""
+    """Base of every error that drakearm raises on purpose.
+
+    The message is one line of at most LONGEST_MESSAGE characters. If it is longer, the middle is left out. Line breaks
+    and other control characters become spaces, so that a text from a file cannot change the terminal.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(_shortened(_CONTROL.sub(" ", message), LONGEST_MESSAGE))
 
 
 class ArmError(DrakearmError):
@@ -49,7 +65,11 @@ class PolicyFileError(DrakearmError):
 
 
 class RunFolderError(DrakearmError):
-    """A run folder that lacks a file or has a damaged one, or in which a file would have been overwritten."""
+    """A run folder that lacks a file, has a damaged one, or has one that does not belong to the others."""
+
+
+class StorageError(DrakearmError):
+    """A file that the file system does not let us write, for example because the disk is full."""
 
 
 class OwnCodeError(DrakearmError):
@@ -58,4 +78,24 @@ class OwnCodeError(DrakearmError):
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The text " (did you mean X?)", where X is the most similar known name; empty if none is similar."""
-    return "".join(f" (did you mean {close}?)" for close in get_close_matches(name, known, n=1))
+    return "".join(f" (did you mean {close}?)" for close in get_close_matches(name[:100], known, n=1))
+
+
+def shown(value: Any) -> str:
+    """A value as messages show it: as Python writes it, but short. Of a long path, the end is shown."""
+    if isinstance(value, Path):
+        text = str(value)
+        return text if len(text) <= _LONGEST_PATH else "..." + text[-_LONGEST_PATH:]
+    try:
+        text = _SHORT.repr(value)
+    except ValueError:  # Python refuses to write an integer with thousands of digits
+        text = "a number with thousands of digits"
+    return _shortened(text, _LONGEST_VALUE)
+
+
+def _shortened(text: str, length: int) -> str:
+    """A text of at most this length: of a longer one, the beginning and the end."""
+    if len(text) <= length:
+        return text
+    kept = length - 3
+    return text[: kept - kept // 2] + "..." + text[len(text) - kept // 2 :]

@@ -7,6 +7,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 LAYERS = [  # lowest first
+    {"files"},
     {"muscle"},
     {"model"},
     {"task"},

@@ -6,16 +6,17 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import yaml
 from pydantic import BeforeValidator, InstanceOf, TypeAdapter, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import ScenarioError
 from drakearm.experiments.catalog import find_scenario
 from drakearm.experiments.choices import Preset
+from drakearm.files import read_yaml
+from drakearm.files.fields import STRICT, FileName, NonNegative, PlainText
+from drakearm.files.problems import describe
 from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import load_arm
-from drakearm.model.fields import STRICT, NonNegative
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 from drakearm.planning import Movement
@@ -49,8 +50,8 @@ class Tracking:
 class Scenario:
     """The content of a scenario file: one movement, and how to learn it."""
 
-    name: str
-    description: str
+    name: FileName  # also of the folder of its runs
+    description: PlainText
     movement: Movement  # what is planned
     tracking: Tracking  # what is learned
     arm: str = "arm14"  # name of a shipped arm, or a user's folder, relative to the scenario file
@@ -75,16 +76,11 @@ class Scenario:
 def load_scenario(scenario: str | Path) -> Scenario:
     """Loads a shipped scenario by its name, or a file. Raises ScenarioError, which names file and field, if invalid."""
     file = find_scenario(scenario)
+    content = read_yaml(file, ScenarioError)
     try:
-        loaded = TypeAdapter(Scenario).validate_python(yaml.safe_load(file.read_text()))
-    except yaml.YAMLError as error:
-        raise ScenarioError(f"{file} is not valid YAML: {error}") from error
+        loaded = TypeAdapter(Scenario).validate_python(content)
     except ValidationError as error:
-        problems = "; ".join(
-            f"{'.'.join(map(str, p['loc'])) or 'the file'}: {p['msg'].removeprefix('Value error, ')}"
-            for p in error.errors()
-        )
-        raise ScenarioError(f"{file}: {problems}.") from error
+        raise ScenarioError(describe(error, file, content, Scenario)) from error
     if loaded.preset is Preset.paper:
         loaded = replace(loaded, training=PAPER, tracking=replace(loaded.tracking, observation="paper"))
     own = file.resolve().parent / loaded.arm

@@ -1,10 +1,10 @@
 """What a limb is: its dataclasses, the loader, path functions and the skeleton; references and recordings of it."""
 
+from drakearm.files import Kind
 from drakearm.model.arm import Arm, Capsule, Muscle, PathTerm
 from drakearm.model.equilibrium import Equilibrium, find_equilibrium
 from drakearm.model.feedback import Feedback
 from drakearm.model.inspection import inspect_arm
-from drakearm.model.kinds import Kind
 from drakearm.model.loader import load_arm
 from drakearm.model.motion import Motion
 from drakearm.model.musculature import RESTING_ACTIVATION

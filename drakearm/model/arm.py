@@ -9,7 +9,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from pydantic.dataclasses import dataclass
 from scipy.interpolate import BSpline
 
-from drakearm.model.fields import STRICT, Finite, Positive
+from drakearm.files.fields import STRICT, Finite, Positive
 from drakearm.model.paths import make_path_table
 from drakearm.muscle.models import MODEL_CODES, MODELS
 from drakearm.muscle.parameters import MUSCLE_DTYPE

@@ -7,7 +7,7 @@ from pydrake.geometry import Cylinder
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.model.fields import STRICT, Positive, Vector
+from drakearm.files.fields import STRICT, Positive, Vector
 
 _COLOR = np.array([0.80, 0.36, 0.24, 1.0])
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drakearm.model.arrays import load_arrays, save_arrays
+from drakearm.files.arrays import load_arrays, save_arrays
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.model.arrays import load_arrays, save_arrays
+from drakearm.files.arrays import load_arrays, save_arrays
 
 CONTROL_STEP = 0.01  # s, between two samples of a reference, and between two decisions of a controller
 

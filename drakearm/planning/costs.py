@@ -7,8 +7,8 @@ from pydantic import BeforeValidator, InstanceOf
 from pydantic.dataclasses import dataclass
 from pydrake.solvers import Binding
 
-from drakearm.model.fields import STRICT, Finite, NonNegative
-from drakearm.model.kinds import Kind
+from drakearm.files.fields import STRICT, Finite, NonNegative
+from drakearm.files.kinds import Kind
 from drakearm.planning.problem import Problem
 
 RATE_STEP = 0.04  # s: the paper's step, over which its R weighs a change of torque

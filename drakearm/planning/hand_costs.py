@@ -9,7 +9,7 @@ from pydrake.solvers import Binding
 from scipy.optimize import minimize
 
 from drakearm.errors import PlanningError
-from drakearm.model.fields import STRICT, NonNegative
+from drakearm.files.fields import STRICT, NonNegative
 from drakearm.model.points import point_positions
 from drakearm.planning.costs import CostPiece
 from drakearm.planning.planning_model import PlanningModel

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 from pydantic.dataclasses import dataclass
 
-from drakearm.model.fields import STRICT, Finite, NonNegative, Positive
+from drakearm.files.fields import STRICT, Finite, NonNegative, Positive
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning.costs import Cost
 

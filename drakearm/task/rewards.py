@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from drakearm.model.fields import STRICT, NonNegative
-from drakearm.model.kinds import Kind
+from drakearm.files.fields import STRICT, NonNegative
+from drakearm.files.kinds import Kind
 
 
 class Reward(Kind):

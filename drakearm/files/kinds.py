@@ -6,6 +6,9 @@ from typing import Any, ClassVar, Self
 
 from pydantic import TypeAdapter, ValidationError
 
+from drakearm.errors import shown
+from drakearm.files.problems import first_problem
+
 
 class Kind:
     """Base of all families. A class that derives directly from it begins a family. What derives from that is a kind:
@@ -50,21 +53,19 @@ class Kind:
             return value
         known = ", ".join(sorted(cls._kinds))
         if not isinstance(value, Mapping):
-            raise ValueError(f"found {value!r}, expected a mapping with a type, one of {known}")
+            raise ValueError(f"found {shown(value)}, expected a mapping with a type, one of {known}")
         given = dict(value)
         name = given.pop("type", None)
         if not isinstance(name, str) or name not in cls._kinds:
-            raise ValueError(f"type: found {name!r}, expected one of {known}")
+            raise ValueError(f"type: found {shown(name)}, expected one of {known}")
         own = [field.name for field in fields(cls._kinds[name]) if field.init]
         for field in given:
             if field not in own:
-                raise ValueError(f"{name}.{field}: expected one of the fields {', '.join(own)}")
+                raise ValueError(f"{name}.{str(field)[:40]}: expected one of the fields {', '.join(own)}")
         try:
             return TypeAdapter(cls._kinds[name]).validate_python(given)
         except ValidationError as error:
-            problems = [(".".join(map(str, (name, *p["loc"]))), p["msg"]) for p in error.errors()]
-            said = [f"{where}: {message.removeprefix('Value error, ')}" for where, message in problems]
-            raise ValueError("; ".join(said)) from error
+            raise ValueError(f"{name}.{first_problem(error, given, cls._kinds[name])}") from error
 
 
 def _path(kind: Any) -> str:
