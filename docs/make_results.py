@@ -71,7 +71,6 @@ def row(name: str, file: Path, runs: Path, batches: int | None = None) -> str:
     """
     run = RunFolder(runs / file.stem)
     if not run.path("replay").exists():
-        run.claim(tuple(RunFolder.FILES), overwrite=True)
         plan_step(run, file)
         train_step(run, seed=SEED, batches=batches)
         evaluate_step(run)

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from drakearm.cli.console import console, say
-from drakearm.cli.folders import planned_run_folder
+from drakearm.cli.folders import planned_run_folder, say_removed
 from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument
 from drakearm.cli.own_code import import_own_code
 
@@ -19,12 +19,12 @@ def evaluate(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite =
     """
     import_own_code(imports)
     from drakearm.experiments import evaluate_step
-    from drakearm.experiments.steps import EVALUATED
 
-    run = planned_run_folder(scenario, out)
-    run.existing("policy", f"train {scenario}")
-    run.claim(EVALUATED, overwrite)
-    show_metrics(run, evaluate_step(run))
+    with planned_run_folder(scenario, out) as run:
+        run.existing("policy", f"train {scenario}")
+        outdated = run.claim("evaluate", overwrite)
+        show_metrics(run, evaluate_step(run))
+        say_removed(outdated)
 
 
 def show_metrics(run: "RunFolder", metrics: dict[str, Any]) -> None:

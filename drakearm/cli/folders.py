@@ -1,28 +1,51 @@
-"""The run folder that a command works in."""
+"""The run folder that a command works in. While it works there, no other command can."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drakearm.cli.console import say
 from drakearm.errors import RunFolderError
 
 if TYPE_CHECKING:
     from drakearm.experiments import RunFolder
 
 
-def run_folder(scenario: str, out: Path | None) -> "RunFolder":
-    """The given folder, or the one with the scenario's name in runs/. Raises ScenarioError for an invalid scenario."""
+@contextmanager
+def run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
+    """The given folder, or the one with the scenario's name in runs/, locked. Made if it does not exist.
+
+    Raises ScenarioError for an invalid scenario, RunFolderError if another command is at work there.
+    """
+    run = _folder_of(scenario, out)
+    with run.locked():
+        yield run
+
+
+@contextmanager
+def planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
+    """The folder of a run that has a plan, locked. Raises RunFolderError if it has none, or one of another scenario."""
+    from drakearm.experiments import load_scenario
+
+    run = _folder_of(scenario, out)
+    if not run.folder.exists():
+        run.existing("reference", f"plan {scenario}")  # raises the error
+    with run.locked():
+        run.existing("reference", f"plan {scenario}")
+        expected, found = load_scenario(scenario).name, run.scenario().name
+        if expected != found:
+            raise RunFolderError(f"{run.folder} holds a run of {found}: expected {expected}.")
+        yield run
+
+
+def _folder_of(scenario: str, out: Path | None) -> "RunFolder":
     from drakearm.experiments import RunFolder, load_scenario
 
     return RunFolder(out or Path("runs") / load_scenario(scenario).name)
 
 
-def planned_run_folder(scenario: str, out: Path | None) -> "RunFolder":
-    """The folder of a run that has a plan. Raises RunFolderError if it has none, or one of another scenario."""
-    from drakearm.experiments import load_scenario
-
-    run = run_folder(scenario, out)
-    run.existing("reference", f"plan {scenario}")
-    expected, found = load_scenario(scenario).name, run.scenario().name
-    if expected != found:
-        raise RunFolderError(f"{run.folder} holds a run of {found}: expected {expected}.")
-    return run
+def say_removed(files: list[Path]) -> None:
+    """Says which files of later steps were removed, because they were made from a file that has been replaced."""
+    if files:
+        say(f"removed what was made from the earlier files: {', '.join(file.name for file in files)}")

@@ -1,12 +1,13 @@
 """`drakearm plan`."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.cli.folders import run_folder
+from drakearm.cli.folders import run_folder, say_removed
 from drakearm.cli.options import Import, Overwrite, complete_scenario
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.progress import show_progress
@@ -56,21 +57,23 @@ def plan(
     """
     import_own_code(imports)
     from drakearm.experiments import RunFolder, plan_step, scenario_files
-    from drakearm.experiments.steps import PLANNED
     from drakearm.figures import plan_facts, plans_table
 
     several = [name for given in scenarios for name in (scenario_files() if given == "all" else [given])]
     several = list(dict.fromkeys(several))  # each once
     if len(several) == 1:
-        run = run_folder(several[0], out)
-        run.claim(PLANNED, overwrite)
-        console.print(plan_facts(plan_step(run, several[0], horizon)))
-        say(f"open {run.path('plan_picture')} for the movement and its limits")
+        with run_folder(several[0], out) as run:
+            outdated = run.claim("plan", overwrite)
+            console.print(plan_facts(plan_step(run, several[0], horizon)))
+            say_removed(outdated)
+            say(f"open {run.path('plan_picture')} for the movement and its limits")
         return
     runs = _folders(several, out or Path("runs"))
-    for run, _ in runs.values():
-        run.claim(PLANNED, overwrite)
-    results = _plan_several(runs, horizon)
+    with ExitStack() as locks:
+        for run, _ in runs.values():
+            locks.enter_context(run.locked())
+            run.claim("plan", overwrite)
+        results = _plan_several(runs, horizon)
     console.print(plans_table(results))
     say(f"open {out or 'runs'}/SCENARIO/{RunFolder.FILES['plan_picture']} for a movement and its limits")
     if any(isinstance(result, DrakearmError) for result in results.values()):

@@ -14,9 +14,8 @@ def replay(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = F
     """
     import_own_code(imports)
     from drakearm.experiments import replay_step
-    from drakearm.experiments.steps import REPLAYED
 
-    run = planned_run_folder(scenario, out)
-    run.existing("recording", f"evaluate {scenario}")
-    run.claim(REPLAYED, overwrite)
-    say(f"open {replay_step(run)} in a browser")
+    with planned_run_folder(scenario, out) as run:
+        run.existing("recording", f"evaluate {scenario}")
+        run.claim("replay", overwrite)
+        say(f"open {replay_step(run)} in a browser")

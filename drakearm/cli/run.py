@@ -34,20 +34,19 @@ def run(
     If the run's folder already holds a plan of the same scenario, it is used, and only the other steps are done.
     """
     import_own_code(imports)
-    from drakearm.experiments import RunFolder, evaluate_step, plan_step, replay_step
-    from drakearm.experiments.steps import EVALUATED, REPLAYED, TRAINED
+    from drakearm.experiments import evaluate_step, plan_step, replay_step
 
-    folder = run_folder(scenario, out)
-    if not overwrite and folder.holds_plan_of(scenario, preset):
-        folder.claim((*TRAINED, *EVALUATED, *REPLAYED), overwrite)
-        say(f"continuing with the plan in {folder.folder}")
-    else:
-        folder.claim(tuple(RunFolder.FILES), overwrite)
-        report = plan_step(folder, scenario, preset=preset)
-        say(f"planned with {report.plan.solver} in {report.plan.seconds:.2f} s: {report.plan.status}")
-        say(report.feasibility.verdict)
-    train_run(folder, seed, batches, env)
-    metrics = evaluate_step(folder)
-    replay = replay_step(folder)
-    show_metrics(folder, metrics)
-    say(f"open {replay} in a browser")
+    with run_folder(scenario, out) as folder:
+        if not overwrite and folder.holds_plan_of(scenario, preset):
+            folder.claim("train", overwrite)
+            say(f"continuing with the plan in {folder.folder}")
+        else:
+            folder.claim("plan", overwrite)
+            report = plan_step(folder, scenario, preset=preset)
+            say(f"planned with {report.plan.solver} in {report.plan.seconds:.2f} s: {report.plan.status}")
+            say(report.feasibility.verdict)
+        train_run(folder, seed, batches, env)
+        metrics = evaluate_step(folder)
+        replay = replay_step(folder)
+        show_metrics(folder, metrics)
+        say(f"open {replay} in a browser")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from drakearm.cli.console import say
-from drakearm.cli.folders import planned_run_folder
+from drakearm.cli.folders import planned_run_folder, say_removed
 from drakearm.cli.interrupt import delayed_interrupt
 from drakearm.cli.options import Batches, Env, Import, Out, Overwrite, ScenarioArgument, Seed
 from drakearm.cli.own_code import import_own_code
@@ -36,11 +36,10 @@ def train(
     Press Ctrl-C to stop after the current batch: the policy so far is kept, and `drakearm evaluate` measures it.
     """
     import_own_code(imports)
-    from drakearm.experiments.steps import TRAINED
-
-    run = planned_run_folder(scenario, out)
-    run.claim(TRAINED, overwrite)
-    train_run(run, seed, batches, env)
+    with planned_run_folder(scenario, out) as run:
+        outdated = run.claim("train", overwrite)
+        train_run(run, seed, batches, env)
+        say_removed(outdated)
 
 
 def train_run(run: "RunFolder", seed: int, batches: int | None, env: EnvKind) -> None:

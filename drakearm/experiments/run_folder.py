@@ -1,21 +1,53 @@
-"""A run folder: all files of one run of a scenario. They are enough to repeat the run."""
+"""A run folder: all files of one run of a scenario. They are enough to repeat the run.
+
+Each step of a run reads the files of the steps before it and writes its own, all of them together. The JSON file of a
+step records what the files were made from. So the files of a folder always belong to each other: what was made from a
+file that is replaced is removed, and what was changed or copied from elsewhere is refused.
+"""
 
 import json
-import re
 import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
-from drakearm.errors import RunFolderError
+from drakearm.errors import ArmError, RunFolderError, ScenarioError, shown
 from drakearm.experiments.catalog import find_scenario
 from drakearm.experiments.choices import Preset
+from drakearm.experiments.provenance import KEY, Provenance, content_fingerprint, fingerprint, folder_files
 from drakearm.experiments.scenario import Scenario, load_scenario
+from drakearm.files.lock import locked
+from drakearm.files.reading import read_json, read_yaml
+from drakearm.files.together import recover, replaced_together
+from drakearm.files.writing import storage
+from drakearm.model.loader import arm_folder
+
+
+class Step(NamedTuple):
+    """What a step of a run reads and writes, by the names in RunFolder.FILES."""
+
+    inputs: tuple[str, ...]
+    files: tuple[str, ...]
+    record: str  # the one of these files that records what they were made from
+
+
+STEPS = {  # in the order of a run
+    "plan": Step(("scenario", "arm"), ("reference", "plan", "plan_picture", "scenario"), "plan"),
+    "train": Step(("scenario", "arm", "reference"), ("policy", "training", "training_log"), "training"),
+    "evaluate": Step(("scenario", "arm", "reference", "policy"), ("metrics", "recording"), "metrics"),
+    "replay": Step(("scenario", "arm", "recording"), ("replay",), "replay"),  # as a comment in the page
+}
+
+
+_SCRATCH = ".unfinished"
 
 
 class RunFolder:
-    """The files of a run. Each step reads the files of the steps before it and writes its own."""
+    """The files of a run."""
 
     FILES = {  # noqa: RUF012
         "scenario": "scenario.yaml",  # a copy of the scenario's file
@@ -29,88 +61,198 @@ class RunFolder:
         "metrics": "metrics.json",
         "replay": "replay.html",
     }
+    ARM = "arm"  # a copy of the arm's folder, if it is not a shipped one
 
     def __init__(self, folder: Path):
-        self.folder = folder
-        self._paths = {name: folder / file for name, file in self.FILES.items()}
-        self._arm = folder / "arm"  # a copy of the arm, if it is not a shipped one
+        self.folder = Path(folder)
+        self._locks = 0  # how often this object has locked the folder
 
     def path(self, name: str) -> Path:
-        """The path of a file to write."""
-        return self._paths[name]
+        """The path of a file, which may not exist."""
+        return self.folder / self.FILES[name]
 
-    def existing(self, name: str, step: str) -> Path:
-        """The path of a file to read. If it is missing, a RunFolderError names the command that makes it, `step`."""
-        if not self._paths[name].is_file():
-            raise RunFolderError(f"{self._paths[name]} is missing: `drakearm {step}` makes it.")
-        return self._paths[name]
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Makes the folder and keeps other processes out of it. What a killed process left half done is completed.
 
-    def claim(self, names: tuple[str, ...], overwrite: bool) -> None:
-        """Makes the folder for a step that writes these files.
-
-        Raises RunFolderError if one of them exists already, unless `overwrite` is true.
+        Raises RunFolderError if another process is at work in the folder, StorageError if it cannot be made.
         """
-        present = [self._paths[name] for name in names if self._paths[name].exists()]
-        if present and not overwrite:
+        if self._locks == 0 and self.folder.exists() and not self.folder.is_dir():
+            raise RunFolderError(f"{shown(self.folder)} is a file: expected a folder for the files of the run.")
+        with storage(self.folder, "cannot be made"):
+            self.folder.mkdir(parents=True, exist_ok=True)
+        with nullcontext() if self._locks else locked(self.folder):
+            self._locks += 1
+            try:
+                if self._locks == 1:
+                    recover(self.folder)
+                    shutil.rmtree(self.folder / _SCRATCH, ignore_errors=True)
+                yield
+            finally:
+                self._locks -= 1
+
+    @contextmanager
+    def scratch(self) -> Iterator[Path]:
+        """A folder for unfinished files, which is removed at the end of the `with` block, or by the next command."""
+        with storage(self.folder):
+            (self.folder / _SCRATCH).mkdir()
+        try:
+            yield self.folder / _SCRATCH
+        finally:
+            shutil.rmtree(self.folder / _SCRATCH, ignore_errors=True)
+
+    def claim(self, step: str, overwrite: bool) -> list[Path]:
+        """Checks that a step may write its files. Returns the files of later steps, which it will remove.
+
+        Raises RunFolderError if one of these files exists already, unless `overwrite` is true.
+        """
+        own = [self.path(name) for name in STEPS[step].files if self.path(name).exists()]
+        later = [self.path(name) for name in _names_after(step) if self.path(name).exists()]
+        if (own or later) and not overwrite:
             raise RunFolderError(
-                f"{present[0]} exists already: choose another folder with --out, or replace it with --overwrite."
+                f"{shown((own + later)[0])} exists already: choose another folder with --out, "
+                "or replace it with --overwrite."
             )
-        self.folder.mkdir(parents=True, exist_ok=True)
+        return later
 
-    def keep_scenario(self, scenario: str | Path, preset: Preset | None = None) -> Scenario:
-        """Copies the scenario's file into the folder, and its arm if it is not a shipped one. Returns the scenario.
+    @contextmanager
+    def replacing(self, step: str, arm: Path) -> "Iterator[NewFiles]":
+        """The new files of a step. At the end of the `with` block they replace the old ones, and those of later steps
+        are removed.
 
-        preset: replaces the preset in the file. Raises ScenarioError if the scenario is not valid.
+        arm: the folder of the arm that the step used. If the block raises an exception, the folder stays as it was.
         """
-        file, loaded = find_scenario(scenario), load_scenario(scenario)
-        if file.resolve() == self.path("scenario").resolve():
-            return loaded
-        text = _with_preset(file.read_text(), preset)
-        if Path(loaded.arm).is_absolute():
-            shutil.copytree(loaded.arm, self._arm, dirs_exist_ok=True)
-            text = yaml.safe_dump({**yaml.safe_load(text), "arm": self._arm.name}, sort_keys=False)
-        self.path("scenario").write_text(text)
-        return self.scenario()
+        removed = [self.FILES[name] for name in _names_after(step)]
+        if step == "plan":
+            removed.append(self.ARM)
+        with self.locked(), replaced_together(self.folder, removed) as staged:
+            yield NewFiles(self, step, staged, arm)
 
-    def holds_plan_of(self, scenario: str | Path, preset: Preset | None = None) -> bool:
-        """Whether the folder holds a plan of this scenario, with the same fields, preset and arm.
+    def existing(self, name: str, command: str) -> Path:
+        """The path of a file to read. command: the one that makes it, for messages.
 
-        preset: replaces the preset in the file. Raises ScenarioError if this scenario or the one in the folder is not
-        valid.
+        Raises RunFolderError if the file is missing, is not what the step wrote, or was made from other files than
+        those that are in the folder.
         """
-        if not all(self.path(name).is_file() for name in ("scenario", "reference", "plan")):
-            return False
-        self.scenario()  # raises the error if it is not valid
-        file, arm = find_scenario(scenario), load_scenario(scenario).arm
-        kept = {"preset": Preset.drakearm} | yaml.safe_load(self.path("scenario").read_text())
-        fields = {"preset": Preset.drakearm} | yaml.safe_load(_with_preset(file.read_text(), preset))
-        if not Path(arm).is_absolute():
-            return kept == fields
-        return kept == {**fields, "arm": kept.get("arm")} and _contents(Path(arm)) == _contents(self._arm)
+        step = _maker(name)
+        self._check(name, step, command)
+        return self.path(name)
+
+    def read_json(self, name: str, command: str) -> dict[str, Any]:
+        """The content of a JSON file. Raises RunFolderError as `existing` does, and if it is damaged."""
+        return read_json(self.existing(name, command), RunFolderError)
 
     def scenario(self) -> Scenario:
         """The scenario of this run."""
         return load_scenario(self.existing("scenario", "plan"))
 
-    def write_json(self, name: str, content: dict[str, Any]) -> None:
-        self.path(name).write_text(json.dumps(content, indent=2) + "\n")
+    def holds_plan_of(self, scenario: str | Path, preset: Preset | None = None) -> bool:
+        """Whether the folder holds a plan of this scenario, with the same fields, preset and arm.
 
-    def read_json(self, name: str, step: str) -> dict[str, Any]:
-        """The content of a file. Raises RunFolderError if it is missing or damaged. step: the command that makes it."""
-        file = self.existing(name, step)
+        preset: replaces the preset in the file. Raises ScenarioError if this scenario is not valid.
+        """
+        loaded, fields = load_scenario(scenario), _fields(scenario, preset)
         try:
-            return json.loads(file.read_text())
-        except ValueError as error:
-            raise RunFolderError(f"{file} is damaged: {error}.") from error
+            kept = _fields(self.existing("scenario", "plan"))
+            self.existing("reference", "plan")
+        except (RunFolderError, ScenarioError):
+            return False
+        if not Path(loaded.arm).is_absolute():
+            return kept == fields
+        copied = self.folder / self.ARM
+        return kept == {**fields, "arm": kept.get("arm")} and fingerprint(Path(loaded.arm)) == fingerprint(copied)
+
+    def _check(self, name: str, step: str, command: str) -> None:
+        """Raises RunFolderError if a file, or one that it was made from, is not what the record of its step says."""
+        file = self.path(name)
+        if not file.is_file():
+            raise RunFolderError(f"{shown(file)} is missing: `drakearm {command}` makes it.")
+        again = f"`drakearm {step} --overwrite` makes it again."
+        record_file = self.path(STEPS[step].record)
+        if not record_file.is_file():
+            raise RunFolderError(f"{shown(record_file)}, which belongs to {file.name}, is missing: {again}")
+        content = read_json(record_file, RunFolderError)
+        record = Provenance.read(content)
+        is_record = file == record_file
+        found = content_fingerprint(content) if is_record else fingerprint(file)
+        if record is None or record.files.get(file.name) != found:
+            raise RunFolderError(f"{shown(file)} is not the file that `drakearm {step}` wrote: {again}")
+        for source in STEPS[step].inputs:
+            if record.made_from.get(self._file_name(source)) != self._fingerprint(source):
+                raise RunFolderError(f"{shown(file)} was made from another {self._file_name(source)}: {again}")
+            if source != "arm" and _maker(source) != step:
+                self._check(source, _maker(source), _maker(source))
+
+    def _file_name(self, name: str) -> str:
+        return self.ARM if name == "arm" else self.FILES[name]
+
+    def _fingerprint(self, name: str) -> str:
+        """The fingerprint of an input as it is now; empty if it is missing."""
+        if name != "arm":
+            return fingerprint(self.path(name)) if self.path(name).is_file() else ""
+        try:
+            return fingerprint(arm_folder(load_scenario(self.path("scenario")).arm))
+        except ArmError:
+            return ""
 
 
-def _with_preset(text: str, preset: Preset | None) -> str:
-    """The text of a scenario's file with another preset, if one is given."""
-    if preset is None:
-        return text
-    return re.sub(r"^preset:.*\n", "", text, flags=re.MULTILINE) + f"\npreset: {preset}\n"
+class NewFiles:
+    """The new files of a step, which are in the run folder when all of them are complete."""
+
+    def __init__(self, run: RunFolder, step: str, staged: Path, arm: Path):
+        self._run, self._step, self._staged, self._arm = run, step, staged, arm
+
+    def path(self, name: str) -> Path:
+        """Where to write a file."""
+        return self._staged / RunFolder.FILES[name]
+
+    def keep_scenario(self, scenario: str | Path, preset: Preset | None = None) -> None:
+        """Copies the scenario's file, and its arm if it is not a shipped one. preset: replaces the one in the file."""
+        arm = Path(load_scenario(scenario).arm)
+        if preset is None and not arm.is_absolute():
+            shutil.copyfile(find_scenario(scenario), self.path("scenario"))
+            return
+        fields = _fields(scenario, preset)
+        if arm.is_absolute():
+            for file in folder_files(arm):
+                copy = self._staged / RunFolder.ARM / file.relative_to(arm)
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(file, copy)
+            fields["arm"] = RunFolder.ARM
+        self.path("scenario").write_text(yaml.safe_dump(fields, sort_keys=False), encoding="utf-8")
+
+    def made_from(self) -> dict[str, str]:
+        """The fingerprints of the step's inputs."""
+        copied = self._staged / RunFolder.ARM
+        prints = {RunFolder.ARM: fingerprint(copied if copied.exists() else self._arm)}
+        for name in STEPS[self._step].inputs:
+            if name != "arm":
+                own = self.path(name)
+                prints[RunFolder.FILES[name]] = fingerprint(own if own.exists() else self._run.path(name))
+        return prints
+
+    def write_record(self, content: Mapping[str, Any]) -> None:
+        """Writes the JSON file of the step, with what its files were made from. It comes after all other files."""
+        record = STEPS[self._step].record
+        files = {RunFolder.FILES[n]: fingerprint(self.path(n)) for n in STEPS[self._step].files if n != record}
+        files[RunFolder.FILES[record]] = content_fingerprint(content)
+        provenance = asdict(Provenance(made_from=self.made_from(), files=files))
+        text = json.dumps({**content, KEY: provenance}, indent=2, allow_nan=False)
+        self.path(record).write_text(text + "\n", encoding="utf-8")
 
 
-def _contents(folder: Path) -> dict[Path, bytes]:
-    """The content of each file in a folder and its subfolders, by its path relative to the folder."""
-    return {file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+def _maker(name: str) -> str:
+    """The step that writes a file."""
+    return next(step for step, (_, files, _) in STEPS.items() if name in files)
+
+
+def _names_after(step: str) -> list[str]:
+    """The files of the steps that come after a step."""
+    steps = list(STEPS)
+    return [name for later in steps[steps.index(step) + 1 :] for name in STEPS[later].files]
+
+
+def _fields(scenario: str | Path, preset: Preset | None = None) -> dict[str, Any]:
+    """The fields of a scenario's file, with the default preset where it has none, or with another one."""
+    fields = {"preset": Preset.drakearm.value} | read_yaml(find_scenario(scenario), ScenarioError)
+    return fields if preset is None else fields | {"preset": preset.value}

@@ -1,5 +1,7 @@
 """The steps of a run: plan, train, evaluate, replay. Each writes its files into the run folder."""
 
+import json
+import shutil
 import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -15,6 +17,7 @@ from drakearm.figures import write_plan_picture
 from drakearm.learning import BatchReport, Policy, imitate, train
 from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
+from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
 from drakearm.planning import plan
@@ -23,26 +26,20 @@ from drakearm.planning.plan_report import PlanReport
 from drakearm.replay import write_replay
 from drakearm.task import TrackingTask
 
-# The files that each step writes, by their names in RunFolder.FILES
-PLANNED = ("reference", "plan", "plan_picture")  # besides the scenario
-TRAINED = ("policy", "training", "training_log")
-EVALUATED = ("metrics", "recording")
-REPLAYED = ("replay",)
-
 
 def plan_step(
     run: RunFolder, scenario: str | Path, horizon: float | None = None, preset: Preset | None = None
 ) -> PlanReport:
     """Plans the optimal reference of a scenario and tests whether the muscles can follow it.
 
-    Writes nothing if planning fails. horizon: s; if given, plans in a receding horizon (see `plan`). preset: replaces
+    If planning fails, the folder stays as it was. If not, the files of an earlier plan are replaced, and what was made
+    from it is removed. horizon: s; if given, plans in a receding horizon (see `plan`). preset: replaces
     the preset of the scenario, for the later training.
     """
     loaded = load_scenario(scenario)
     arm = load_arm(loaded.arm)
     planned = plan(arm, loaded.movement, loaded.load_mass, loaded.obstacle, horizon)
     feasibility = muscle_feasibility(arm, planned.reference, loaded.load_mass)
-    run.keep_scenario(scenario, preset)
     report = PlanReport(
         name=loaded.name,
         description=loaded.description,
@@ -53,9 +50,11 @@ def plan_step(
         plan=planned,
         feasibility=feasibility,
     )
-    planned.reference.save(run.path("reference"))
-    run.write_json("plan", report.content)
-    write_plan_picture(report, run.path("plan_picture"))
+    with run.replacing("plan", arm_folder(loaded.arm)) as new:
+        new.keep_scenario(scenario, preset)
+        planned.reference.save(new.path("reference"))
+        write_plan_picture(report, new.path("plan_picture"))
+        new.write_record(report.content)
     return report
 
 
@@ -72,77 +71,89 @@ def train_step(
 
     batches: replaces the number in the scenario. on_round: called after each round of imitation with its number, from
     1, and the number of rounds. on_batch: called after each batch, when the current policy and training.json are
-    already in the run folder. So a training that is interrupted can be evaluated too.
+    already in the run folder. So a training that is interrupted can be evaluated too. Until the first batch is done,
+    the files of an earlier training stay.
     """
-    scenario = run.scenario()
-    settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
-    task = _task(run, scenario)
-    envs = make_training_envs(task, settings.environments, env)
-    rounds = settings.imitation_rounds
-    start = time.perf_counter()
+    with run.locked(), run.scratch() as work:
+        scenario = run.scenario()
+        settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
+        task = _task(run, scenario)
+        arm = arm_folder(scenario.arm)
+        rounds = settings.imitation_rounds
+        start = time.perf_counter()
 
-    def prepare(actor: Actor) -> None:
-        imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
+        def prepare(actor: Actor) -> None:
+            imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
 
-    def keep(report: BatchReport) -> None:
-        """Writes the progress of the training."""
-        progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
-        finished = report.batch == report.batches
-        setup = {"seed": seed, "env": env.value, "finished": finished, "settings": asdict(settings)}
-        run.write_json("training", setup | progress)
-        if on_batch:
-            on_batch(report)
+        def keep(report: BatchReport) -> None:
+            """Puts the policy, the log and the progress of the training into the run folder, all together."""
+            progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
+            finished = report.batch == report.batches
+            setup = {"seed": seed, "env": env.value, "finished": finished, "settings": asdict(settings)}
+            with run.replacing("train", arm) as new:
+                for name in ("policy", "training_log"):
+                    shutil.copyfile(work / run.FILES[name], new.path(name))
+                new.write_record(setup | progress)
+            if on_batch:
+                on_batch(report)
 
-    try:
-        return train(
-            envs,
-            settings,
-            seed=seed,
-            metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
-            prepare=prepare if rounds else None,
-            log_path=run.path("training_log"),
-            checkpoint_path=run.path("policy"),
-            on_batch=keep,
-        )
-    finally:
-        envs.close()
+        envs = make_training_envs(task, settings.environments, env)
+        try:
+            return train(
+                envs,
+                settings,
+                seed=seed,
+                metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
+                prepare=prepare if rounds else None,
+                log_path=work / run.FILES["training_log"],
+                checkpoint_path=work / run.FILES["policy"],
+                on_batch=keep,
+            )
+        finally:
+            envs.close()
 
 
 def evaluate_step(run: RunFolder) -> dict[str, Any]:
     """Runs the policy in closed loop on the Diagram. Writes metrics.json and returns its content."""
-    policy = Policy.load(run.existing("policy", "train"))
-    training = run.read_json("training", "train")
-    planned = run.read_json("plan", "plan")
-    scenario = run.scenario()
-    task = _task(run, scenario)
-    recording = run_policy(task, policy)
-    recording.save(run.path("recording"))
-    metrics = {
-        "scenario": scenario.name,
-        **tracking_metrics(recording, run_policy_stochastic(task, policy, training["seed"])),
-        "training_steps": training["steps"],
-        "training_seconds": training["seconds"],
-        "plan_seconds": planned["seconds"],
-        "seed": training["seed"],
-        "versions": versions(),
-    }
-    run.write_json("metrics", metrics)
-    return metrics
+    with run.locked():
+        policy = Policy.load(run.existing("policy", "train"))
+        training = run.read_json("training", "train")
+        planned = run.read_json("plan", "plan")
+        scenario = run.scenario()
+        task = _task(run, scenario)
+        recording = run_policy(task, policy)
+        metrics = {
+            "scenario": scenario.name,
+            **tracking_metrics(recording, run_policy_stochastic(task, policy, training["seed"])),
+            "training_steps": training["steps"],
+            "training_seconds": training["seconds"],
+            "plan_seconds": planned["seconds"],
+            "seed": training["seed"],
+            "versions": versions(),
+        }
+        with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
+            recording.save(new.path("recording"))
+            new.write_record(metrics)
+        return metrics
 
 
 def replay_step(run: RunFolder) -> Path:
     """Writes the browser replay of the deterministic run. Returns its file."""
-    scenario = run.scenario()
-    recording = Recording.load(run.existing("recording", "evaluate"))
-    write_replay(
-        run.path("replay"),
-        load_arm(scenario.arm),
-        recording,
-        load_mass=scenario.load_mass,
-        obstacle=scenario.obstacle,
-        title=scenario.name,
-    )
-    return run.path("replay")
+    with run.locked():
+        scenario = run.scenario()
+        recording = Recording.load(run.existing("recording", "evaluate"))
+        with run.replacing("replay", arm_folder(scenario.arm)) as new:
+            write_replay(
+                new.path("replay"),
+                load_arm(scenario.arm),
+                recording,
+                load_mass=scenario.load_mass,
+                obstacle=scenario.obstacle,
+                title=scenario.name,
+            )
+            with new.path("replay").open("a", encoding="utf-8") as page:
+                page.write(f"\n<!-- made from {json.dumps(new.made_from())} -->\n")
+        return run.path("replay")
 
 
 def _task(run: RunFolder, scenario: Scenario) -> TrackingTask:

@@ -2,6 +2,6 @@
 
 from drakearm.files.kinds import Kind
 from drakearm.files.reading import read_json, read_text, read_yaml
-from drakearm.files.writing import replacement, write_json, write_text
+from drakearm.files.writing import replacement
 
-__all__ = ["Kind", "read_json", "read_text", "read_yaml", "replacement", "write_json", "write_text"]
+__all__ = ["Kind", "read_json", "read_text", "read_yaml", "replacement"]

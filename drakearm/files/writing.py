@@ -1,11 +1,9 @@
 """Writes files whole or not at all: a reader sees the earlier content or the new one, never a part of either."""
 
-import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 from drakearm.errors import StorageError, shown
 
@@ -55,8 +53,3 @@ def write_text(file: Path, text: str) -> None:
     """Writes a text as UTF-8. Raises StorageError, see `replacement`."""
     with replacement(file) as partial:
         partial.write_text(text, encoding="utf-8")
-
-
-def write_json(file: Path, content: dict[str, Any]) -> None:
-    """Writes a JSON object, indented for human readers. Raises StorageError, see `replacement`."""
-    write_text(file, json.dumps(content, indent=2) + "\n")

@@ -18,14 +18,8 @@ def load_arm(arm: str | Path = "arm14") -> Arm:
     Raises ArmError, which names file and field, for a missing file, a missing or unknown field, a value out of range, a
     muscle given twice, or a path that depends on a coordinate that the arm does not have.
     """
-    shipped = {path.parent.name: path.parent for path in _SHIPPED.glob("*/muscles.yaml")}
-    folder = shipped.get(str(arm), Path(arm))
+    folder = arm_folder(arm)
     file = folder / "muscles.yaml"
-    if not file.is_file():
-        raise ArmError(
-            f"There is no arm {str(arm)!r}{did_you_mean(str(arm), shipped)}: "
-            f"expected one of {', '.join(sorted(shipped))} or a folder with a muscles.yaml."
-        )
     fields = _merge_defaults(_read(file), file)
     fields["skeleton"] = folder.resolve() / str(fields.get("skeleton", ""))
     try:
@@ -35,6 +29,18 @@ def load_arm(arm: str | Path = "arm14") -> Arm:
     if not loaded.skeleton.is_file():
         raise ArmError(f"{file}: skeleton: there is no file {loaded.skeleton}.")
     return loaded
+
+
+def arm_folder(arm: str | Path) -> Path:
+    """The folder of a shipped arm, by its name, or the given folder. Raises ArmError if it has no muscles.yaml."""
+    shipped = {path.parent.name: path.parent for path in _SHIPPED.glob("*/muscles.yaml")}
+    folder = shipped.get(str(arm), Path(arm))
+    if not (folder / "muscles.yaml").is_file():
+        raise ArmError(
+            f"There is no arm {str(arm)!r}{did_you_mean(str(arm), shipped)}: "
+            f"expected one of {', '.join(sorted(shipped))} or a folder with a muscles.yaml."
+        )
+    return folder
 
 
 def _read(file: Path) -> dict[str, Any]:

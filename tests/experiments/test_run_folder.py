@@ -22,7 +22,6 @@ def scenario(tmp_path):
 @pytest.fixture
 def run(tmp_path, scenario):
     run = RunFolder(tmp_path / "run")
-    run.claim(("plan",), overwrite=False)
     plan_step(run, scenario)
     return run
 

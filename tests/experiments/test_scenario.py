@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from drakearm.errors import ScenarioError
-from drakearm.experiments import Preset, load_scenario, scenario_files
+from drakearm.experiments import Preset, load_scenario, plan_step, scenario_files
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.learning import PAPER
 
@@ -62,7 +62,7 @@ def test_the_papers_preset_overrules_the_file(tmp_path):
 
 def test_a_run_keeps_its_preset(tmp_path):
     run = RunFolder(tmp_path)
-    run.keep_scenario("timing-0.7s", Preset.paper)
+    plan_step(run, "timing-0.7s", preset=Preset.paper)
     assert run.scenario().training == PAPER
-    run.keep_scenario(run.path("scenario"))
+    plan_step(run, run.path("scenario"))
     assert run.scenario().training == PAPER
