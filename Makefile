@@ -24,7 +24,7 @@ SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-cpus lint bench clean
+.PHONY: demo test test-cpus faults lint bench clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
@@ -37,6 +37,9 @@ test-cpus: $(LINKED) ## the quick tests as on other processors: PyTorch without 
 ifeq ($(shell uname -m),x86_64)
 	NUMBA_CPU_NAME=haswell NUMBA_CPU_FEATURES=+avx2,+fma $(BIN)/pytest -n 2 -m 'not slow'
 endif
+
+faults: $(LINKED) ## kills commands at 100 random moments and checks that nothing is damaged or lost
+	$(BIN)/python tests/attacks/faults.py
 
 bench: $(LINKED) ## how fast and how accurate, next to other packages where they are installed
 	$(BIN)/python tests/benchmarks/speed.py

@@ -77,9 +77,9 @@ class RunFolder:
 
         Raises RunFolderError if another process is at work in the folder, StorageError if it cannot be made.
         """
-        if self._locks == 0 and self.folder.exists() and not self.folder.is_dir():
-            raise RunFolderError(f"{shown(self.folder)} is a file: expected a folder for the files of the run.")
         with storage(self.folder, "cannot be made"):
+            if self.folder.exists() and not self.folder.is_dir():
+                raise RunFolderError(f"{shown(self.folder)} is a file: expected a folder for the files of the run.")
             self.folder.mkdir(parents=True, exist_ok=True)
         with nullcontext() if self._locks else locked(self.folder):
             self._locks += 1

@@ -47,9 +47,3 @@ def flush_to_disk(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def write_text(file: Path, text: str) -> None:
-    """Writes a text as UTF-8. Raises StorageError, see `replacement`."""
-    with replacement(file) as partial:
-        partial.write_text(text, encoding="utf-8")

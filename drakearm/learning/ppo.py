@@ -23,6 +23,7 @@ from pydantic import ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveI
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TrainingError
+from drakearm.files.writing import storage
 from drakearm.learning.backprop import separate_weights
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
@@ -268,13 +269,15 @@ def _csv_log(path: Path | None, stack: ExitStack) -> Callable[[BatchReport], Non
     """A function that appends a report as a row to a new file; `stack` closes the file."""
     if path is None:
         return lambda report: None
-    path.parent.mkdir(parents=True, exist_ok=True)
-    file = stack.enter_context(path.open("w", newline=""))
-    writer = csv.DictWriter(file, [field.name for field in fields(BatchReport)])
-    writer.writeheader()
+    with storage(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = stack.enter_context(path.open("w", newline=""))
+        writer = csv.DictWriter(file, [field.name for field in fields(BatchReport)])
+        writer.writeheader()
 
     def write_row(report: BatchReport) -> None:
-        writer.writerow(asdict(report))
-        file.flush()  # so that the rows can be read during the training and after a crash
+        with storage(path):
+            writer.writerow(asdict(report))
+            file.flush()  # so that the rows can be read during the training and after a crash
 
     return write_row

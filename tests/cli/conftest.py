@@ -1,9 +1,10 @@
-"""A scenario that is quick to plan and to train."""
+"""A scenario that is quick to plan and to train, and a run of it."""
 
 import pytest
 import yaml
 
 from drakearm.experiments import scenario_files
+from tests.cli.command import drakearm
 
 
 @pytest.fixture(scope="session")
@@ -15,3 +16,11 @@ def tiny(tmp_path_factory):
     file = tmp_path_factory.mktemp("scenario") / "tiny.yaml"
     file.write_text(yaml.safe_dump({**fields, "name": "tiny"}))
     return str(file)
+
+
+@pytest.fixture(scope="session")
+def finished(tiny, tmp_path_factory):
+    """The folder of a run with all steps, and what the command printed."""
+    out = tmp_path_factory.mktemp("runs") / "tiny"
+    printed = drakearm("run", tiny, "--out", out, "--seed", 3)
+    return out, printed

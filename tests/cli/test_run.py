@@ -20,13 +20,6 @@ from drakearm.model.reference import Reference
 from tests.cli.command import drakearm, start
 
 
-@pytest.fixture(scope="session")
-def finished(tiny, tmp_path_factory):
-    out = tmp_path_factory.mktemp("runs") / "tiny"
-    printed = drakearm("run", tiny, "--out", out, "--seed", 3)
-    return out, printed
-
-
 def numbers(out):
     """metrics.json without what depends on the clock."""
     metrics = json.loads((out / "metrics.json").read_text())
