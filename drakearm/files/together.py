@@ -4,13 +4,13 @@ The new files are first written into a folder `.staged`. When they are all on th
 then are they moved to their places. `recover` removes what is only staged and completes what was ready.
 """
 
-import json
 import os
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from drakearm.errors import RunFolderError, shown
 from drakearm.files.writing import flush_to_disk, storage
 
 _STAGED, _READY = ".staged", ".ready"
@@ -30,7 +30,7 @@ def replaced_together(folder: Path, removed: Iterable[str] = ()) -> Iterator[Pat
         with storage(folder):
             staged.mkdir()
             yield staged
-            (staged / _REMOVED).write_text(json.dumps(list(removed)))
+            (staged / _REMOVED).write_text("\n".join(removed))
             for path in [*staged.rglob("*"), staged]:
                 flush_to_disk(path)
             staged.rename(folder / _READY)
@@ -50,20 +50,34 @@ def recover(folder: Path) -> None:
 
 
 def _move_ready_files(folder: Path) -> None:
-    """Each action can be repeated, so that a process that was killed here can be followed by another one."""
+    """Each action can be repeated, so that a process that was killed here can be followed by another one.
+
+    The folder may come from somebody else. So nothing outside of it is touched: names are plain, links not followed.
+    """
     ready = folder / _READY
     if (ready / _REMOVED).exists():
-        for name in json.loads((ready / _REMOVED).read_text()):
-            path = folder / name
-            if path.is_dir():
-                shutil.rmtree(path)
-            else:
-                path.unlink(missing_ok=True)
+        for name in (ready / _REMOVED).read_text().splitlines():
+            if name == Path(name).name and not name.startswith("."):
+                _remove(folder / name)
         (ready / _REMOVED).unlink()  # from here on, `folder` may hold new files of these names
-    for path in sorted(ready.rglob("*")):
-        if path.is_file():
-            place = folder / path.relative_to(ready)
-            place.parent.mkdir(parents=True, exist_ok=True)
+    paths = sorted(ready.rglob("*"))
+    for link in (path for path in [ready, *paths] if path.is_symlink()):
+        raise RunFolderError(f"{shown(link)} is a link: expected a file that drakearm wrote.")
+    for path in paths:
+        place = folder / path.relative_to(ready)
+        if path.is_dir():
+            if place.is_symlink():
+                place.unlink()
+            place.mkdir(exist_ok=True)
+        else:
             os.replace(path, place)
     flush_to_disk(folder)
     shutil.rmtree(ready)
+
+
+def _remove(path: Path) -> None:
+    """Deletes a file, a folder, or a link but not what it points to, if there is one."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from drakearm.errors import StorageError
+from drakearm.errors import RunFolderError, StorageError
 from drakearm.files.together import recover, replaced_together
 
 OLD = {"a": "old a", "b": "old b", "arm/part": "old part", "later": "made from a"}
@@ -91,3 +91,21 @@ def test_what_the_file_system_refuses_is_a_sentence(folder):
         with replaced_together(folder, REMOVED):
             raise OSError(28, os.strerror(28))
     assert contents(folder) == OLD
+
+
+def test_a_folder_of_somebody_else_touches_nothing_outside(tmp_path):
+    outside, folder = tmp_path / "outside", tmp_path / "folder"
+    for place in (outside, folder / ".ready" / "arm"):
+        place.mkdir(parents=True)
+    (outside / "precious").write_text("kept")
+    (folder / "link").symlink_to(outside)
+    (folder / "arm").symlink_to(outside)
+    (folder / ".ready" / "arm" / "precious").write_text("hostile")
+    (folder / ".ready" / ".removed").write_text(f"../outside\n{outside}\n..\n.\nlink\nlink/precious")
+    recover(folder)
+    assert contents(outside) == {"precious": "kept"}
+    assert (folder / "arm" / "precious").read_text() == "hostile" and not (folder / "link").is_symlink()
+    (folder / ".ready").symlink_to(outside)
+    with pytest.raises(RunFolderError, match="is a link"):
+        recover(folder)
+    assert contents(outside) == {"precious": "kept"}
