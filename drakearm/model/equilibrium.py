@@ -14,6 +14,7 @@ from drakearm.muscle.compiled import compiled
 
 _ITERATIONS = 20  # of Newton's method at most; it usually needs three
 _EXACT = 1e-10  # Nm, error of the torques
+_ROUNDING = 1e-6  # error of the torques, over what the muscles exert with and against each other
 _NEGLIGIBLE = 0.01  # Nm, reserve torque of static optimization up to which the muscles count as strong enough
 
 
@@ -49,12 +50,8 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
     muscles, paths, rest = arm.muscle_table, arm.path_table, np.zeros(n_q)
     torque = gravity_torque(MakeTorqueArm(arm, load_mass), q)
     activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), muscles, paths)
-    if np.abs(reserve).max() > _NEGLIGIBLE:
-        j = int(np.abs(reserve).argmax())
-        raise EquilibriumError(
-            f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: the "
-            f"{arm.coordinates[j]} lacks {abs(reserve[j]):.3g} Nm of the {abs(torque[j]):.3g} Nm that it needs."
-        )
+    if not np.abs(reserve).max() <= _NEGLIGIBLE:
+        raise _too_weak(arm, q, reserve, torque)
     lowest = muscles["minimum_activation"]
     length, moment_arm = muscle_geometry(q, muscles, paths)
     for _ in range(_ITERATIONS):
@@ -67,4 +64,15 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
         activation[free] += np.linalg.lstsq(gain.T, missing, rcond=None)[0]
         activation = np.clip(activation, lowest, 1.0)
     fiber_length = resting_states(arm, q[None, :], activation)[0, n : 2 * n]
+    if not np.abs(missing).max() <= _ROUNDING * (force @ np.abs(moment_arm)).max():
+        raise _too_weak(arm, q, missing, torque)
     return Equilibrium(q, activation, activation.copy(), fiber_length, force @ moment_arm)
+
+
+def _too_weak(arm: Arm, q: np.ndarray, missing: np.ndarray, torque: np.ndarray) -> EquilibriumError:
+    """The error for joint torques, (n_q,), Nm, of which some are missing."""
+    j = int(np.abs(missing).argmax())
+    return EquilibriumError(
+        f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: the "
+        f"{arm.coordinates[j]} lacks {abs(missing[j]):.3g} Nm of the {abs(torque[j]):.3g} Nm that it needs."
+    )
