@@ -46,6 +46,8 @@ def _name(value: str) -> str:
 
 
 def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
+    if not names:
+        raise ValueError("expected at least one")
     for name, count in Counter(names).items():
         if count > 1:
             raise ValueError(f"{name} is given twice: expected every name once")
@@ -68,7 +70,7 @@ class PathTerm:
 
     coordinate: Name
     knots: Annotated[tuple[Angle, ...], Field(max_length=1000)]
-    coefficients: Annotated[tuple[Length, ...], Field(min_length=2, max_length=1000)]
+    coefficients: Annotated[tuple[Length, ...], Field(max_length=1000)]
 
     @field_validator("coefficients")
     @classmethod
@@ -78,6 +80,8 @@ class PathTerm:
         knots = info.data["knots"]
         degree = len(knots) - len(coefficients) - 1
         counts = f"{len(knots)} knots for {len(coefficients)} coefficients"
+        if len(coefficients) < 2:
+            raise ValueError("expected at least 2 coefficients")
         if degree < 1:
             raise ValueError(f"found {counts}, expected at least {len(coefficients) + 2} knots")
         if degree > _HIGHEST_DEGREE:
@@ -116,7 +120,7 @@ class Muscle:
     optimal_fiber_length: Annotated[Positive, _within(1e-5, 10.0, " m")]
     tendon_slack_length: Annotated[Positive, _within(1e-6, 10.0, " m")]
     pennation_angle: Annotated[Number, Field(ge=0, lt=1.4)]  # at the optimal fiber length
-    path: Annotated[tuple[PathTerm, ...], Field(min_length=1)]
+    path: tuple[PathTerm, ...]
     points: Annotated[tuple[Point, ...], Field(max_length=1000)]  # for drawing only
     max_contraction_velocity: Annotated[Positive, _within(0.1, 100.0)]  # optimal fiber lengths per second
     activation_time: Annotated[Positive, _within(1e-3, 10.0, " s")]
@@ -214,16 +218,18 @@ class Arm:
     skeleton: Path  # absolute
     gravity: tuple[Acceleration, Acceleration, Acceleration]  # in the world
     # Joints of the skeleton. The compiled equations of motion of a chain have about 5 times more terms per joint.
-    coordinates: Annotated[tuple[Name, ...], Field(min_length=1, max_length=7), AfterValidator(_each_once)]
+    coordinates: Annotated[tuple[Name, ...], Field(max_length=7), AfterValidator(_each_once)]
     load_frame: Name  # frame of the skeleton where loads hang
     tip_frame: Name  # frame of the skeleton whose path is planned and drawn
-    muscles: Annotated[tuple[Muscle, ...], Field(min_length=1, max_length=1000)]
+    muscles: Annotated[tuple[Muscle, ...], Field(max_length=1000)]
     # The arm's surface, which plans keep away from obstacles.
     outline: Annotated[tuple[Capsule, ...], Field(max_length=1000)] = ()
 
     @field_validator("muscles")
     @classmethod
     def _consistent(cls, muscles: tuple[Muscle, ...], info: ValidationInfo) -> tuple[Muscle, ...]:
+        if not muscles:
+            raise ValueError("expected at least one muscle")
         for name, count in Counter(muscle.name for muscle in muscles).items():
             if count > 1:
                 raise ValueError(f"muscle {name} is given twice: expected every name once")

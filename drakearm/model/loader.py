@@ -70,7 +70,7 @@ def _skeleton(file: Path, name: Any) -> Path:
 def _in_defaults(error: ValidationError, muscles: Any, defaults: dict[str, Any]) -> ValidationError:
     """The same problems, but a wrong value that muscles have from `defaults` is one problem there, not one per muscle.
 
-    muscles: as in the file, without the defaults.
+    Problems in `defaults` come first. muscles: as in the file, without the defaults.
     """
     problems: dict[Any, Any] = {}
     for problem in error.errors():
@@ -78,4 +78,5 @@ def _in_defaults(error: ValidationError, muscles: Any, defaults: dict[str, Any])
         if loc[0] == "muscles" and len(loc) > 2 and loc[2] in defaults and loc[2] not in muscles[loc[1]]:
             loc = ("defaults", *loc[2:])
         problems.setdefault((loc, problem["type"]), {**problem, "loc": loc})
-    return ValidationError.from_exception_data(error.title, list(problems.values()))
+    in_order = sorted(problems.values(), key=lambda problem: problem["loc"][0] != "defaults")
+    return ValidationError.from_exception_data(error.title, in_order)
