@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import SceneGraph
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder
@@ -94,6 +95,8 @@ def AddMuscleArm(
             plant.get_geometry_pose_output_port(),
             scene_graph.get_source_pose_port(plant.get_source_id()),
         )
+        if plant.num_collision_geometries() > 0:
+            _let_bodies_pass(builder, plant, scene_graph)
     muscles = builder.AddNamedSystem("muscles", HillMuscles(arm, time_step))
     builder.Connect(plant.get_state_output_port(), muscles.GetInputPort("arm_state"))
     torque = muscles.GetOutputPort("generalized_force")
@@ -110,6 +113,14 @@ def AddMuscleArm(
         torque = total.get_output_port()
     builder.Connect(torque, plant.get_applied_generalized_force_input_port())
     return MuscleArm(arm, plant, muscles, joint_stops, load_mass)
+
+
+def _let_bodies_pass(builder: DiagramBuilder, plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
+    """Makes a skeleton with collision shapes move as it does without drawing: its bodies do not touch each other."""
+    bodies = [plant.get_body(BodyIndex(i)) for i in range(plant.num_bodies())]
+    shapes = GeometrySet([shape for body in bodies for shape in plant.GetCollisionGeometriesForBody(body)])
+    scene_graph.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))
+    builder.Connect(scene_graph.get_query_output_port(), plant.get_geometry_query_input_port())
 
 
 def MakeSimulator(diagram: Diagram, time_step: float = TIME_STEP) -> Simulator:

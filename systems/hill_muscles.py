@@ -17,6 +17,7 @@ from drakearm.errors import DerivativeError, StateError
 from drakearm.model import Arm
 from drakearm.model.linearization import linearize_muscles
 from drakearm.model.musculature import (
+    LARGEST_STATE,
     RESTING_ACTIVATION,
     muscle_geometry,
     muscle_rates,
@@ -78,7 +79,7 @@ def HillMuscles_(T):
         Muscles start in equilibrium with the joints by default: if the state of the muscles has not been set when a
         simulation is initialized, fibers and tendons are brought into equilibrium at arm_state. So it is enough to set
         the positions of the plant. Without a Simulator, call `SetEquilibrium`. Excitations that are not finite raise
-        StateError.
+        StateError, and so does an arm_state of a simulation that diverges.
 
         time_step = 0: activation and fiber length are continuous states, in this order, for any of Drake's integrators
         and for linearization. The system converts to AutoDiffXd, but joint_moment and the last five outputs do not
@@ -96,7 +97,8 @@ def HillMuscles_(T):
             self._tables = (arm.muscle_table, arm.path_table)
             n, n_q = len(arm.muscles), len(arm.coordinates)
             self._n, self._n_q = n, n_q
-            resting, tau = resting_state(arm, np.zeros(n_q), RESTING_ACTIVATION)
+            fiber_length = arm.muscle_table["optimal_fiber_length"]
+            resting = np.concatenate([np.full(n, RESTING_ACTIVATION), fiber_length, fiber_length, np.zeros(n)])
             self._default = resting
 
             self._excitation = self.DeclareVectorInputPort("excitation", n)
@@ -104,7 +106,7 @@ def HillMuscles_(T):
             joints = {self._arm_state.ticket()}
             if time_step > 0.0:
                 state = {self.discrete_state_ticket(self.DeclareDiscreteState(resting))}
-                self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(tau))
+                self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(n_q))
                 self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._step)
                 velocity_from = state
             else:
@@ -160,10 +162,15 @@ def HillMuscles_(T):
                 state.get_mutable_continuous_state().SetFromVector(settled[: 2 * self._n])
             return EventStatus.Succeeded()
 
-        def _require_finite_excitation(self, excitation: np.ndarray) -> None:
+        def _require_sound_inputs(self, excitation: np.ndarray, arm_state: np.ndarray) -> None:
             if not np.isfinite(excitation).all():
                 bad = [name for name, u in zip(self.arm.muscle_names, excitation, strict=True) if not np.isfinite(u)]
                 raise StateError(f"The excitation of {', '.join(bad)} is not finite: expected numbers from 0 to 1.")
+            if not (np.abs(arm_state) <= LARGEST_STATE).all():
+                raise StateError(
+                    f"The motion of {self.arm.name} diverges: q or v has reached {np.abs(arm_state).max():.2g}. "
+                    "Its bodies are too light for its muscles, its joint stops or the time step."
+                )
 
         def GetStateNames(self) -> list[str]:
             """Names of the elements of the state, such as "BRA_fiber_length"; like MultibodyPlant.GetStateNames."""
@@ -198,15 +205,16 @@ def HillMuscles_(T):
             if T is not float:
                 raise DerivativeError("Discrete HillMuscles cannot step in AutoDiffXd: expected time_step = 0.")
             excitation = self._excitation.Eval(context)
+            arm_state = self._arm_state.Eval(context)
             if not muscle_step(
                 state.get_mutable_value(0),
                 state.get_mutable_value(1),
                 excitation,
-                self._arm_state.Eval(context),
+                arm_state,
                 self.time_step,
                 *self._tables,
             ):
-                self._require_finite_excitation(excitation)
+                self._require_sound_inputs(excitation, arm_state)
 
         def _calc_generalized_force(self, context: Context, output: BasicVector_[T]):
             if T is float:
@@ -274,7 +282,7 @@ def HillMuscles_(T):
             fibers, excitation = self._fibers(context), self._excitation.Eval(context)
             arm_state = self._arm_state.Eval(context)
             if T is float:
-                self._require_finite_excitation(excitation)
+                self._require_sound_inputs(excitation, arm_state)
                 rates = muscle_rates(fibers, excitation, arm_state, *self._tables)
             else:
                 rates = self._differentiate(fibers, excitation, arm_state, slice(0, 2 * self._n))

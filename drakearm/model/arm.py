@@ -1,24 +1,64 @@
-"""An arm and its muscles as frozen dataclasses, which check every number when they are created."""
+"""An arm and its muscles as frozen dataclasses, which check every number when they are created.
 
+The limits of the numbers are wide: limbs of insects and of elephants are inside. Beyond them there are no muscles, and
+the equations overflow or need shorter time steps than any simulation has.
+"""
+
+from collections import Counter
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic.dataclasses import dataclass
 from scipy.interpolate import BSpline
 
-from drakearm.files.fields import STRICT, Finite, Positive
+from drakearm.files.fields import STRICT, Fraction, Number, Positive
 from drakearm.model.paths import make_path_table
 from drakearm.muscle.models import MODEL_CODES, MODELS
 from drakearm.muscle.parameters import MUSCLE_DTYPE
 
-Fraction = Annotated[float, Field(gt=0, lt=1)]
-Name = Annotated[str, Field(min_length=1)]
-
 _DENSITY = 1059.7  # kg/m^3, of muscle (Mendez and Keys 1960)
 _STEEPEST = np.arccos(0.1)  # pennation at the minimum fiber length, as in OpenSim
+_SHORTEST = 1e-3  # times optimal fiber length: least length of an unpennated fiber, which would have no direction at 0
+_LEAST_STRETCH = 1e-4  # optimal fiber lengths, of a compliant tendon at max_isometric_force
+_CLOSEST_KNOTS = 1e-6  # rad
+_LARGEST_MOMENT_ARM = 10.0  # m
+_HIGHEST_DEGREE = 12  # of a path's spline: higher polynomials are not computed accurately
+
+
+def _within(low: float, high: float, unit: str = "") -> AfterValidator:
+    """Refuses numbers outside of [low, high], the range of all muscles that there are, and more."""
+
+    def check(value: float) -> float:
+        if not low <= value <= high:
+            raise ValueError(f"expected {low:g} to {high:g}{unit}, as all animals have")
+        return value
+
+    return AfterValidator(check)
+
+
+def _name(value: str) -> str:
+    if not value.isprintable() or value != value.strip():
+        raise ValueError("expected a name without control characters and without spaces around it")
+    return value
+
+
+def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
+    if not names:
+        raise ValueError("expected at least one")
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise ValueError(f"{name} is given twice: expected every name once")
+    return names
+
+
+Name = Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_name)]
+Angle = Annotated[Number, Field(ge=-100.0, le=100.0)]  # rad
+Length = Annotated[Number, Field(ge=-100.0, le=100.0)]  # m
+Acceleration = Annotated[Number, Field(ge=-1000.0, le=1000.0)]  # m/s^2
+Point = tuple[Name, tuple[Length, Length, Length]]  # a body, and the position in it
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -29,19 +69,35 @@ class PathTerm:
     """
 
     coordinate: Name
-    knots: tuple[Finite, ...]
-    coefficients: Annotated[tuple[Finite, ...], Field(min_length=2)]
+    knots: Annotated[tuple[Angle, ...], Field(max_length=1000)]
+    coefficients: Annotated[tuple[Length, ...], Field(max_length=1000)]
 
     @field_validator("coefficients")
     @classmethod
     def _fits_knots(cls, coefficients: tuple, info: ValidationInfo) -> tuple:
-        knots = info.data.get("knots", ())
+        if "knots" not in info.data:  # they have a problem of their own
+            return coefficients
+        knots = info.data["knots"]
         degree = len(knots) - len(coefficients) - 1
+        counts = f"{len(knots)} knots for {len(coefficients)} coefficients"
+        if len(coefficients) < 2:
+            raise ValueError("expected at least 2 coefficients")
         if degree < 1:
-            needed = len(coefficients) + 2
-            raise ValueError(f"expected at least {needed} knots for {len(coefficients)} coefficients, not {len(knots)}")
-        if np.any(np.diff(knots) < 0) or not knots[degree] < knots[-degree - 1]:
+            raise ValueError(f"found {counts}, expected at least {len(coefficients) + 2} knots")
+        if degree > _HIGHEST_DEGREE:
+            most = len(coefficients) + _HIGHEST_DEGREE + 1
+            raise ValueError(f"found {counts}, expected at most {most}: a spline of degree {_HIGHEST_DEGREE}")
+        gaps = np.diff(knots)
+        if np.any(gaps < 0) or not knots[degree] < knots[-degree - 1]:
             raise ValueError("expected knots in ascending order")
+        if np.any((gaps > 0) & (gaps < _CLOSEST_KNOTS)):
+            raise ValueError(f"expected knots that are equal or at least {_CLOSEST_KNOTS:g} rad apart")
+        spans = np.subtract(knots[degree + 1 : -1], knots[1 : -degree - 1])  # rad, one per coefficient of the slope
+        if not spans.all():
+            raise ValueError(f"expected knots that are given at most {degree} times, or {degree + 1} times at an end")
+        steepest = np.abs(degree * np.diff(coefficients) / spans).max()
+        if steepest > _LARGEST_MOMENT_ARM:
+            raise ValueError(f"found a moment arm of {steepest:.3g} m, expected at most {_LARGEST_MOMENT_ARM:g} m")
         return coefficients
 
     @property
@@ -60,26 +116,32 @@ class Muscle:
     """
 
     name: Name
-    max_isometric_force: Positive
-    optimal_fiber_length: Positive
-    tendon_slack_length: Positive
-    pennation_angle: Annotated[float, Field(ge=0, lt=1.4)]  # at the optimal fiber length
-    path: Annotated[tuple[PathTerm, ...], Field(min_length=1)]
-    points: tuple[tuple[Name, tuple[Finite, Finite, Finite]], ...]  # (body, position in it), for drawing only
-    max_contraction_velocity: Positive  # optimal fiber lengths per second
-    activation_time: Positive
-    deactivation_time: Positive
-    minimum_activation: Fraction
-    tendon_strain: Positive  # at max_isometric_force
-    passive_strain: Positive  # at max_isometric_force
-    passive_shape: Positive
-    active_width: Positive
-    force_velocity_shape: Positive
-    eccentric_force: Annotated[float, Field(gt=1, allow_inf_nan=False)]  # over isometric force
-    specific_tension: Positive  # Pa, determines the muscle's mass
-    slow_twitch_fraction: Annotated[float, Field(ge=0, le=1)]  # of the fibers, for the metabolic power
+    max_isometric_force: Annotated[Positive, _within(1e-6, 1e6, " N")]
+    optimal_fiber_length: Annotated[Positive, _within(1e-5, 10.0, " m")]
+    tendon_slack_length: Annotated[Positive, _within(1e-6, 10.0, " m")]
+    pennation_angle: Annotated[Number, Field(ge=0, lt=1.4)]  # at the optimal fiber length
+    path: tuple[PathTerm, ...]
+    points: Annotated[tuple[Point, ...], Field(max_length=1000)]  # for drawing only
+    max_contraction_velocity: Annotated[Positive, _within(0.1, 100.0)]  # optimal fiber lengths per second
+    activation_time: Annotated[Positive, _within(1e-3, 10.0, " s")]
+    deactivation_time: Annotated[Positive, _within(1e-3, 10.0, " s")]
+    minimum_activation: Annotated[Number, Field(gt=0, lt=1), _within(1e-4, 0.99)]
+    tendon_strain: Annotated[Positive, _within(1e-3, 1.0)]  # at max_isometric_force
+    passive_strain: Annotated[Positive, _within(0.05, 10.0)]  # at max_isometric_force
+    passive_shape: Annotated[Positive, _within(0.1, 20.0)]
+    active_width: Annotated[Positive, _within(0.05, 10.0)]
+    force_velocity_shape: Annotated[Positive, _within(0.01, 10.0)]
+    eccentric_force: Annotated[Number, Field(gt=1), _within(1.1, 10.0)]  # over isometric force
+    specific_tension: Annotated[Positive, _within(1e3, 1e8, " Pa")]  # determines the muscle's mass
+    slow_twitch_fraction: Fraction  # of the fibers, for the metabolic power
     model: str = "thelen2003"  # one of `drakearm.muscle.models.MODELS`
     tendon: Literal["compliant", "rigid"] = "compliant"
+
+    @field_validator("path")
+    @classmethod
+    def _one_term_per_coordinate(cls, path: tuple[PathTerm, ...]) -> tuple[PathTerm, ...]:
+        _each_once(tuple(term.coordinate for term in path))
+        return path
 
     @field_validator("model")
     @classmethod
@@ -87,6 +149,18 @@ class Muscle:
         if model not in MODELS:
             raise ValueError(f"expected one of {', '.join(MODELS)}")
         return model
+
+    @model_validator(mode="after")
+    def _tendon_stretches(self) -> Self:
+        """A stiffer tendon would need shorter time steps, and would move its fiber by less than any experiment sees."""
+        stretch = self.tendon_strain * self.tendon_slack_length
+        least = _LEAST_STRETCH * self.optimal_fiber_length
+        if not self.rigid_tendon and stretch < least:
+            raise ValueError(
+                f"found a tendon that stretches by {stretch:.2g} m (tendon_strain times tendon_slack_length), expected "
+                f"at least {least:.2g} m ({_LEAST_STRETCH:g} of optimal_fiber_length), or tendon: rigid"
+            )
+        return self
 
     @property
     def model_code(self) -> int:
@@ -109,8 +183,8 @@ class Muscle:
 
     @property
     def minimum_fiber_length(self) -> float:
-        """Fiber length (m) at which the pennation angle reaches acos(0.1); 0 for an unpennated muscle."""
-        return self.fiber_width / np.sin(_STEEPEST)
+        """Fiber length (m) at which the pennation angle reaches acos(0.1), but at least 0.001 optimal_fiber_length."""
+        return max(self.fiber_width / np.sin(_STEEPEST), _SHORTEST * self.optimal_fiber_length)
 
     @property
     def passive_offset(self) -> float:
@@ -132,8 +206,8 @@ class Capsule:
     """A part of the arm's outline: all points within a radius of the straight line between two ends. Units: m."""
 
     name: Name
-    radius: Positive
-    ends: tuple[tuple[Name, tuple[Finite, Finite, Finite]], tuple[Name, tuple[Finite, Finite, Finite]]]  # (body, p)
+    radius: Annotated[Positive, Field(le=100.0)]
+    ends: tuple[Point, Point]
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -142,21 +216,26 @@ class Arm:
 
     name: Name
     skeleton: Path  # absolute
-    gravity: tuple[Finite, Finite, Finite]  # m/s^2, in the world
-    coordinates: Annotated[tuple[Name, ...], Field(min_length=1)]  # joints of the skeleton
+    gravity: tuple[Acceleration, Acceleration, Acceleration]  # in the world
+    # Joints of the skeleton. The compiled equations of motion of a chain have about 5 times more terms per joint.
+    coordinates: Annotated[tuple[Name, ...], Field(max_length=7), AfterValidator(_each_once)]
     load_frame: Name  # frame of the skeleton where loads hang
     tip_frame: Name  # frame of the skeleton whose path is planned and drawn
-    muscles: Annotated[tuple[Muscle, ...], Field(min_length=1)]
-    outline: tuple[Capsule, ...] = ()  # the arm's surface, which plans keep away from obstacles
+    muscles: Annotated[tuple[Muscle, ...], Field(max_length=1000)]
+    # The arm's surface, which plans keep away from obstacles.
+    outline: Annotated[tuple[Capsule, ...], Field(max_length=1000)] = ()
 
     @field_validator("muscles")
     @classmethod
     def _consistent(cls, muscles: tuple[Muscle, ...], info: ValidationInfo) -> tuple[Muscle, ...]:
-        names = [m.name for m in muscles]
-        for name in names:
-            if names.count(name) > 1:
+        if not muscles:
+            raise ValueError("expected at least one muscle")
+        for name, count in Counter(muscle.name for muscle in muscles).items():
+            if count > 1:
                 raise ValueError(f"muscle {name} is given twice: expected every name once")
-        coordinates = info.data.get("coordinates", ())  # missing if they are not valid
+        if "coordinates" not in info.data:  # they have a problem of their own
+            return muscles
+        coordinates = info.data["coordinates"]
         for muscle in muscles:
             for term in muscle.path:
                 if term.coordinate not in coordinates:

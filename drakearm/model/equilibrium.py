@@ -6,7 +6,7 @@ import numpy as np
 
 from drakearm.errors import EquilibriumError
 from drakearm.model.arm import Arm
-from drakearm.model.musculature import muscle_geometry, require_state, resting_states
+from drakearm.model.musculature import equilibrium_fiber_lengths, muscle_geometry, require_state
 from drakearm.model.skeleton import gravity_torque
 from drakearm.model.static_optimization import static_activations, steady_force
 from drakearm.model.torque_arm import MakeTorqueArm
@@ -14,6 +14,7 @@ from drakearm.muscle.compiled import compiled
 
 _ITERATIONS = 20  # of Newton's method at most; it usually needs three
 _EXACT = 1e-10  # Nm, error of the torques
+_ROUNDING = 1e-6  # error of the torques, over what the muscles exert with and against each other
 _NEGLIGIBLE = 0.01  # Nm, reserve torque of static optimization up to which the muscles count as strong enough
 
 
@@ -41,21 +42,20 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
     """The smallest excitations with which the muscles hold joint angles q (n_q,), rad, with load_mass (kg) in the hand.
 
     Static optimization (`static_activations`) finds them, then Newton's method makes the torques exact. Raises
-    EquilibriumError if the muscles are too weak, and StateError if q has another size or is not finite.
+    EquilibriumError if the muscles are too weak, or if the posture is impossible for one of them. Raises StateError if
+    q has another size or is not finite.
     """
     q = np.asarray(q, dtype=float)
     n, n_q = len(arm.muscles), len(arm.coordinates)
     require_state("joint angles", q, (n_q,))
     muscles, paths, rest = arm.muscle_table, arm.path_table, np.zeros(n_q)
+    lowest = muscles["minimum_activation"]
+    # Before the torques: what a muscle exerts that is slack or torn has no meaning.
+    equilibrium_fiber_lengths(arm, q[None, :], lowest)
     torque = gravity_torque(MakeTorqueArm(arm, load_mass), q)
     activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), muscles, paths)
-    if np.abs(reserve).max() > _NEGLIGIBLE:
-        j = int(np.abs(reserve).argmax())
-        raise EquilibriumError(
-            f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: the "
-            f"{arm.coordinates[j]} lacks {abs(reserve[j]):.3g} Nm of the {abs(torque[j]):.3g} Nm that it needs."
-        )
-    lowest = muscles["minimum_activation"]
+    if not np.abs(reserve).max() <= _NEGLIGIBLE:
+        raise _too_weak(arm, q, reserve, torque)
     length, moment_arm = muscle_geometry(q, muscles, paths)
     for _ in range(_ITERATIONS):
         force, slope = _forces_at_rest(activation, length, muscles)
@@ -66,5 +66,16 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
         gain = moment_arm[free] * slope[free, None]
         activation[free] += np.linalg.lstsq(gain.T, missing, rcond=None)[0]
         activation = np.clip(activation, lowest, 1.0)
-    fiber_length = resting_states(arm, q[None, :], activation)[0, n : 2 * n]
+    fiber_length = equilibrium_fiber_lengths(arm, q[None, :], activation)[0]
+    if not np.abs(missing).max() <= _ROUNDING * (force @ np.abs(moment_arm)).max():
+        raise _too_weak(arm, q, missing, torque)
     return Equilibrium(q, activation, activation.copy(), fiber_length, force @ moment_arm)
+
+
+def _too_weak(arm: Arm, q: np.ndarray, missing: np.ndarray, torque: np.ndarray) -> EquilibriumError:
+    """The error for joint torques, (n_q,), Nm, of which some are missing."""
+    j = int(np.abs(missing).argmax())
+    return EquilibriumError(
+        f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: the "
+        f"{arm.coordinates[j]} lacks {abs(missing[j]):.3g} Nm of the {abs(torque[j]):.3g} Nm that it needs."
+    )

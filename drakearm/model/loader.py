@@ -1,83 +1,88 @@
 """Reads an arm from its folder: `muscles.yaml` and the skeleton file that it names."""
 
-from pathlib import Path
+import os.path
+from dataclasses import dataclass
+from pathlib import Path, PurePath
 from typing import Any
 
-import yaml
 from pydantic import TypeAdapter, ValidationError
 
-from drakearm.errors import ArmError, did_you_mean
-from drakearm.model.arm import Arm
+from drakearm.errors import ArmError, did_you_mean, shown
+from drakearm.files import read_yaml
+from drakearm.files.problems import describe
+from drakearm.model.arm import Arm, Muscle
 
 _SHIPPED = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class _MuscleFile(Arm):
+    """The fields of a muscles.yaml: those of an arm, and the values of the muscles that do not give their own."""
+
+    defaults: Muscle | None = None
 
 
 def load_arm(arm: str | Path = "arm14") -> Arm:
     """Loads an arm that drakearm ships, by its name ("arm14"), or from a folder with a muscles.yaml of the same form.
 
     Raises ArmError, which names file and field, for a missing file, a missing or unknown field, a value out of range, a
-    muscle given twice, or a path that depends on a coordinate that the arm does not have.
+    muscle given twice, or a path that depends on a coordinate that the arm does not have. The skeleton file is read by
+    `add_skeleton`; here it only has to exist in the folder.
     """
     folder = arm_folder(arm)
     file = folder / "muscles.yaml"
-    fields = _merge_defaults(_read(file), file)
-    fields["skeleton"] = folder.resolve() / str(fields.get("skeleton", ""))
+    content = read_yaml(file, ArmError)
+    defaults = content.pop("defaults", None)
+    if not isinstance(defaults, dict | None):
+        raise ArmError(f"{shown(file)}: defaults: found {shown(defaults)}, expected fields of a muscle with values.")
+    given = content.get("muscles")
+    merged = dict(content)
+    if "skeleton" in content:
+        merged["skeleton"] = _skeleton(file, content["skeleton"])
+    if defaults and isinstance(given, list):
+        merged["muscles"] = [{**defaults, **muscle} if isinstance(muscle, dict) else muscle for muscle in given]
     try:
-        loaded = TypeAdapter(Arm).validate_python(fields)
+        return TypeAdapter(Arm).validate_python(merged)
     except ValidationError as error:
-        raise ArmError(_describe(error, file, fields)) from error
-    if not loaded.skeleton.is_file():
-        raise ArmError(f"{file}: skeleton: there is no file {loaded.skeleton}.")
-    return loaded
+        problems = _in_defaults(error, given, defaults or {})
+        raise ArmError(describe(problems, file, {**merged, "defaults": defaults}, _MuscleFile)) from error
 
 
 def arm_folder(arm: str | Path) -> Path:
     """The folder of a shipped arm, by its name, or the given folder. Raises ArmError if it has no muscles.yaml."""
     shipped = {path.parent.name: path.parent for path in _SHIPPED.glob("*/muscles.yaml")}
     folder = shipped.get(str(arm), Path(arm))
-    if not (folder / "muscles.yaml").is_file():
+    if not os.path.isfile(folder / "muscles.yaml"):  # unlike Path.is_file without an exception, whatever the name is
         raise ArmError(
-            f"There is no arm {str(arm)!r}{did_you_mean(str(arm), shipped)}: "
+            f"There is no arm {shown(Path(arm))}{did_you_mean(str(arm), shipped)}: "
             f"expected one of {', '.join(sorted(shipped))} or a folder with a muscles.yaml."
         )
     return folder
 
 
-def _read(file: Path) -> dict[str, Any]:
-    try:
-        fields = yaml.safe_load(file.read_text())
-    except yaml.YAMLError as error:
-        raise ArmError(f"{file} is not valid YAML: {error}") from error
-    if not isinstance(fields, dict):
-        raise ArmError(f"{file}: expected fields with values, found {type(fields).__name__}.")
-    return fields
+def _skeleton(file: Path, name: Any) -> Path:
+    """The absolute path of the skeleton file. file: the muscles.yaml that has this name of the skeleton file."""
+    where = f"{shown(file)}: skeleton: "
+    if not isinstance(name, str) or not name.strip():
+        raise ArmError(f"{where}found {shown(name)}, expected the name of a file in the same folder.")
+    if PurePath(name).is_absolute() or ".." in PurePath(name).parts:
+        raise ArmError(f"{where}found {shown(name)}, expected a file in the folder of muscles.yaml or below it.")
+    skeleton = file.parent.resolve() / name
+    if not os.path.isfile(skeleton):
+        raise ArmError(f"{where}there is no file {shown(name)} in the folder of muscles.yaml.")
+    return skeleton
 
 
-def _merge_defaults(fields: dict[str, Any], file: Path) -> dict[str, Any]:
-    """Gives each muscle the values of the section `defaults` for the fields that it does not have."""
-    defaults = fields.pop("defaults", {}) or {}
-    muscles = fields.get("muscles")
-    if not isinstance(defaults, dict):
-        raise ArmError(f"{file}: defaults: expected fields of a muscle with their values.")
-    if isinstance(muscles, list):
-        fields["muscles"] = [{**defaults, **m} if isinstance(m, dict) else m for m in muscles]
-    return fields
+def _in_defaults(error: ValidationError, muscles: Any, defaults: dict[str, Any]) -> ValidationError:
+    """The same problems, but a wrong value that muscles have from `defaults` is one problem there, not one per muscle.
 
-
-def _describe(error: ValidationError, file: Path, fields: dict[str, Any]) -> str:
-    """One sentence per problem: where it is (with the muscle's name), what is wrong, what was expected."""
-    lines = []
+    Problems in `defaults` come first. muscles: as in the file, without the defaults.
+    """
+    problems: dict[Any, Any] = {}
     for problem in error.errors():
-        where: list[str] = []
-        value: Any = fields
-        for key in problem["loc"]:
-            try:
-                value = value[key]
-            except (KeyError, IndexError, TypeError):  # this is the missing field
-                value = None
-            named = isinstance(key, int) and isinstance(value, dict) and "name" in value
-            where.append(str(value["name"] if named else key))
-        message = problem["msg"].removeprefix("Value error, ")
-        given = f" (found {value!r})" if isinstance(value, int | float | str) else ""
-        lines.append(f"{file}: {'.'.join(where)}: {message}{given}.")
-    return "\n".join(lines)
+        loc = problem["loc"]
+        if loc[0] == "muscles" and len(loc) > 2 and loc[2] in defaults and loc[2] not in muscles[loc[1]]:
+            loc = ("defaults", *loc[2:])
+        problems.setdefault((loc, problem["type"]), {**problem, "loc": loc})
+    in_order = sorted(problems.values(), key=lambda problem: problem["loc"][0] != "defaults")
+    return ValidationError.from_exception_data(error.title, in_order)

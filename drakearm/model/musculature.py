@@ -28,6 +28,8 @@ from drakearm.muscle.energy import fiber_and_tendon_power, fiber_forces, metabol
 from drakearm.muscle.parameters import muscle_parameters
 
 RESTING_ACTIVATION = 0.05  # of a muscle for which the user gives no activation
+LARGEST_STATE = 1e6  # rad or rad/s: an arm that moves further or faster is a simulation that diverges
+_STRONGEST = 100.0  # times max_isometric_force, of a resting muscle: arm14 has 6 at most; any fiber would tear
 
 
 @compiled
@@ -102,7 +104,7 @@ def muscle_rates(fibers, excitation, arm_state, muscles, paths):
 def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     """Advances the muscles' state in place by one time step, and writes the generalized force to hold during the step.
 
-    Returns whether all excitations are finite; if not, the result is meaningless.
+    Returns whether all excitations are finite, and q and v at most LARGEST_STATE; if not, the result is meaningless.
 
     state: activation, fiber length, fiber length one step earlier, fiber velocity, each (n,), one after the other.
     tau (n_q,): the generalized force. arm_state: at the start of the step.
@@ -137,6 +139,9 @@ def muscle_step(state, tau, excitation, arm_state, time_step, muscles, paths):
     for i in range(n):
         if not math.isfinite(excitation[i]):
             return False
+    for j in range(2 * n_q):
+        if not abs(arm_state[j]) <= LARGEST_STATE:
+            return False
     return True
 
 
@@ -164,41 +169,56 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
 
 
 @compiled
-def _equilibrium(activation, q, muscles, paths, pieces, length, slope):
-    """Writes the fiber lengths in equilibrium (n, N) at N postures q (n_q, N) into `length`. activation: (N, n)."""
+def _equilibrium(activation, q, muscles, paths, pieces, length, slope, force):
+    """Writes fiber lengths and tendon forces in equilibrium, (n, N), at N postures q (n_q, N). activation: (N, n)."""
     evaluate_path_lanes(q, paths, pieces, length, slope)
     for i in range(len(muscles)):
         m = muscle_parameters(muscles[i], muscles[i].model_code)
         for k in range(q.shape[1]):
-            length[i, k] = equilibrium_fiber_length(activation[k, i], length[i, k], m)
+            fiber = equilibrium_fiber_length(activation[k, i], length[i, k], m)
+            force[i, k] = muscle_force(activation[k, i], fiber, length[i, k], 0.0, m)
+            length[i, k] = fiber
 
 
 def require_state(what: str, values: np.ndarray, shape: tuple[int, ...]) -> None:
-    """Raises StateError unless the values have this shape and are finite. what: their name in the message."""
-    if np.shape(values) != shape or not np.isfinite(values).all():
-        found = np.array2string(np.asarray(values), threshold=20)
-        raise StateError(f"The {what} are {found}: expected {' x '.join(map(str, shape))} finite numbers.")
+    """Raises StateError unless the values have this shape and are finite and at most LARGEST_STATE.
+
+    what: their name in the message.
+    """
+    if np.shape(values) != shape or not (np.abs(values) <= LARGEST_STATE).all():
+        size = " x ".join(map(str, shape))
+        raise StateError(f"The {what} are {_listed(values)}: expected {size} finite numbers up to {LARGEST_STATE:g}.")
 
 
 def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -> np.ndarray:
     """Fiber lengths (N, n) of resting muscles at joint angles q (N, n_q), rad, and activations (n,) or (N, n).
 
     A fiber and its compliant tendon then exert the same force. Raises EquilibriumError, which names the muscles, where
-    even the shortest fiber leaves the tendon slack.
+    even the shortest fiber leaves the tendon slack, and where a muscle is stretched until it would tear.
     """
     muscles, paths, count = arm.muscle_table, arm.path_table, len(q)
     activation = np.array(np.broadcast_to(activation, (count, len(muscles))))
     pieces, slope = make_path_pieces(paths, count), np.empty((count_terms(paths), count))
-    length = np.empty((len(muscles), count))
-    _equilibrium(activation, np.ascontiguousarray(q.T), muscles, paths, pieces, length, slope)
-    unknown = np.isnan(length.T)
-    for k in np.flatnonzero(unknown.any(axis=1)):
-        slack = [name for name, slack in zip(arm.muscle_names, unknown[k], strict=True) if slack]
-        raise EquilibriumError(
-            f"At joint angles {np.round(q[k], 4).tolist()} rad {', '.join(slack)} of {arm.name} cannot be in "
-            "equilibrium: the path is so short that even the shortest fiber leaves the tendon slack."
-        )
+    length, force = np.empty((2, len(muscles), count))
+    _equilibrium(activation, np.ascontiguousarray(q.T), muscles, paths, pieces, length, slope, force)
+    ratio = force / muscles["max_isometric_force"][:, None]
+    for impossible, reason in (
+        (np.isnan(length), "the path is so short that even the shortest fiber leaves the tendon slack"),
+        (ratio > _STRONGEST, f"the path is so long that the force would be over {_STRONGEST:g} max_isometric_force"),
+    ):
+        if impossible.any():
+            k = int(impossible.any(axis=0).argmax())
+            names = [name for name, i in zip(arm.muscle_names, impossible[:, k], strict=True) if i]
+            more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+            raise EquilibriumError(
+                f"At joint angles {_listed(q[k])} rad {', '.join(names[:3])}{more} of {arm.name} cannot be in "
+                f"equilibrium: {reason}."
+            )
     return length.T
+
+
+def _listed(values: np.ndarray) -> str:
+    return np.array2string(np.asarray(values), precision=4, threshold=6, edgeitems=2, separator=", ")
 
 
 def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> np.ndarray:

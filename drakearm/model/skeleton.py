@@ -5,13 +5,13 @@ import math
 import numpy as np
 from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, MultibodyForces, SpatialInertia
 from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
 from drakearm.model.arm import Arm
+from drakearm.model.skeleton_file import LOAD, check_skeleton, parse_skeleton
 
 _IRON = 7870.0  # kg/m^3
 _LOAD_COLOR = np.array([0.25, 0.27, 0.30, 1.0])
@@ -22,20 +22,20 @@ def add_skeleton(plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0) -> Mod
 
     load_mass: kg, of an iron ball that is centered on the arm's load frame and welded to it, as body "load". The plant
     has the skeleton's joint limits, but a continuous plant does not enforce them (see `JointStops`). Raises ArmError
-    where the skeleton lacks a joint, frame or body that the arm names.
+    where the skeleton is damaged, lacks a joint, frame or body that the arm names, or cannot be moved by joint torques.
     """
     if not (math.isfinite(load_mass) and load_mass >= 0.0):
         raise ArmError(f"The load is {load_mass} kg: expected a mass that is not negative.")
-    (model,) = Parser(plant).AddModels(str(arm.skeleton))
-    _check(plant, arm, model)
+    check_skeleton(arm)
+    model = parse_skeleton(plant, arm)
     plant.mutable_gravity_field().set_gravity_vector(np.array(arm.gravity))
     if load_mass > 0.0:
         radius = (3.0 * load_mass / (4.0 * math.pi * _IRON)) ** (1.0 / 3.0)
         inertia = SpatialInertia.SolidSphereWithMass(load_mass, radius)
-        load = plant.AddRigidBody("load", model, inertia)
+        load = plant.AddRigidBody(LOAD, model, inertia)
         plant.WeldFrames(plant.GetFrameByName(arm.load_frame, model), load.body_frame())
         if plant.geometry_source_is_registered():
-            plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(radius), "load", _LOAD_COLOR)
+            plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(radius), LOAD, _LOAD_COLOR)
     return model
 
 
@@ -61,21 +61,3 @@ def gravity_torque(plant: MultibodyPlant, q: np.ndarray) -> np.ndarray:
     """The joint torques (n_q,), Nm, that hold the skeleton still at q (n_q,), rad."""
     rest = np.zeros((1, len(q)))
     return movement_torques(plant, q[None, :], rest, rest)[0]
-
-
-def _check(plant: MultibodyPlant, arm: Arm, model: ModelInstanceIndex) -> None:
-    """The skeleton must have every name that the arm uses, and its moving joints must be the arm's coordinates."""
-    joints = [plant.get_joint(i) for i in plant.GetJointIndices(model)]
-    moving = tuple(joint.name() for joint in joints if joint.num_positions() > 0)
-    if moving != arm.coordinates or any(joint.num_positions() > 1 for joint in joints):
-        raise ArmError(
-            f"{arm.skeleton}: the moving joints are {', '.join(moving) or 'none'}: expected one-degree-of-freedom "
-            f"joints {', '.join(arm.coordinates)}, in this order."
-        )
-    for frame in (arm.load_frame, arm.tip_frame):
-        if not plant.HasFrameNamed(frame, model):
-            raise ArmError(f"{arm.skeleton}: there is no frame {frame}, which the arm {arm.name} names.")
-    for muscle in arm.muscles:
-        for body, _ in muscle.points:
-            if not plant.HasBodyNamed(body, model):
-                raise ArmError(f"{arm.skeleton}: there is no body {body}, where {muscle.name} is attached.")

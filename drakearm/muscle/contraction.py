@@ -17,7 +17,7 @@ from drakearm.muscle.models import (
 )
 
 _THIRD = 1.0 / 3.0
-SHORTEST = 0.01  # times optimal fiber length: lower bound for unpennated fibers, whose minimum_fiber_length is 0
+SHORTEST = 0.01  # times optimal fiber length: lower bound in time steps and equilibria, also of unpennated fibers
 ITERATIONS = 100  # at most, of `solve_fiber`
 QUICK_ITERATIONS = 6  # at most, of Newton's method in all lanes at once
 TOLERANCE = 1e-8  # times optimal fiber length: of the last Newton move; the remaining error is about its square

@@ -10,7 +10,7 @@ tendon: a slack tendon pushes with up to 0.2 times max_isometric_force.
 import math
 
 from drakearm.muscle.compiled import inlined
-from drakearm.muscle.elementary import GREATEST_EXPONENT, LEAST_EXPONENT, exp
+from drakearm.muscle.elementary import CURVE_EXPONENT, exp
 
 _GAUSSIANS = (
     (0.8150671134243542, 1.055033428970575, 0.162384573599574, 0.063303448465465),
@@ -37,7 +37,7 @@ def active_force_length(length, m):
     for height, center, width, widening in _GAUSSIANS:
         spread = width + widening * length
         z = (length - center) / spread
-        term = height * exp(max(-0.5 * z * z, LEAST_EXPONENT))
+        term = height * exp(max(-0.5 * z * z, -CURVE_EXPONENT))
         force += term
         slope -= term * z * (1.0 - widening * z) / spread
     return force, slope
@@ -47,7 +47,7 @@ def active_force_length(length, m):
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length: an exponential, 0 at _SHORTEST_PASSIVE."""
     rate = m.passive_shape / m.passive_strain
-    growth = exp(min(rate * (length - 1.0), GREATEST_EXPONENT))
+    growth = exp(min(rate * (length - 1.0), CURVE_EXPONENT))
     return (growth - m.passive_offset) * m.passive_scale, rate * growth * m.passive_scale
 
 
@@ -55,7 +55,7 @@ def passive_force_length(length, m):
 def tendon_force_strain(strain, m):
     """Tendon force and its slope at a strain: an exponential through 0 at slack length and 1 at tendon_strain."""
     rate = _TENDON_RATE / m.tendon_strain
-    growth = exp(min(max(rate * strain, LEAST_EXPONENT), GREATEST_EXPONENT))
+    growth = exp(min(max(rate * strain, -CURVE_EXPONENT), CURVE_EXPONENT))
     return _TENDON_SCALE * (growth - 1.0), _TENDON_SCALE * rate * growth
 
 

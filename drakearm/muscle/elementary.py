@@ -9,6 +9,7 @@ import numpy as np
 from drakearm.muscle.compiled import fma, inlined
 
 LEAST_EXPONENT, GREATEST_EXPONENT = -708.0, 709.0  # limits of the argument of `exp`
+CURVE_EXPONENT = 150.0  # largest exponent in a muscle's curves, where forces are 1e65: their products stay finite
 
 _ROUNDER = 6755399441055744.0  # 1.5 * 2^52: x + _ROUNDER rounds x to an integer, which is in the lowest bits of the sum
 _ONE_BITS = 1023 << 52  # 1.0 as an integer

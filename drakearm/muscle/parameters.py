@@ -28,7 +28,7 @@ class MuscleParameters(NamedTuple):
     slow_twitch_fraction: float
     mass: float
     fiber_width: float  # optimal_fiber_length * sin(pennation_angle), the same at every fiber length
-    minimum_fiber_length: float  # where the pennation angle reaches acos(0.1)
+    minimum_fiber_length: float  # > 0; of a pennated fiber, where the pennation angle reaches acos(0.1)
     passive_offset: float  # the passive force is passive_scale * (exp(...) - passive_offset), see `passive_constants`
     passive_scale: float
 

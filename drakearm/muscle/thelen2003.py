@@ -10,7 +10,7 @@ The curves clamp and select values instead of branching, so that one vector inst
 import math
 
 from drakearm.muscle.compiled import fma, inlined
-from drakearm.muscle.elementary import GREATEST_EXPONENT, LEAST_EXPONENT, exp
+from drakearm.muscle.elementary import CURVE_EXPONENT, exp
 
 TOE_SHAPE = 3.0  # exponent of the tendon's toe region
 TOE_FORCE = 0.33  # tendon force where the toe region ends
@@ -31,7 +31,7 @@ def passive_constants(passive_strain: float, passive_shape: float) -> tuple[floa
 def active_force_length(length, m):
     """Active isometric force and its slope at a normalized fiber length (eq. 4)."""
     per_width = 1.0 / m.active_width
-    force = exp(max((1.0 - length) * (length - 1.0) * per_width, LEAST_EXPONENT))
+    force = exp(max((1.0 - length) * (length - 1.0) * per_width, -CURVE_EXPONENT))
     return force, 2.0 * per_width * (1.0 - length) * force
 
 
@@ -39,7 +39,7 @@ def active_force_length(length, m):
 def passive_force_length(length, m):
     """Passive force and its slope at a normalized fiber length (eq. 3); both 0 below the optimal length."""
     rate = m.passive_shape / m.passive_strain
-    growth = exp(min(rate * max(length - 1.0, 0.0), GREATEST_EXPONENT))
+    growth = exp(min(rate * max(length - 1.0, 0.0), CURVE_EXPONENT))
     slope = rate * growth * m.passive_scale
     return (growth - m.passive_offset) * m.passive_scale, slope if length > 1.0 else 0.0
 

@@ -64,3 +64,24 @@ def test_a_posture_that_muscles_cannot_hold_is_refused(arm):
         find_equilibrium(arm, np.deg2rad([80.0, 90.0]), load_mass=5.0)
     with pytest.raises(StateError, match=r"joint angles .* expected 2 finite numbers"):
         find_equilibrium(arm, np.zeros(3))
+
+
+def test_a_muscle_that_would_tear_is_refused_with_its_name(arm):
+    """With a short tendon its fiber fills the whole path, at three times its optimal length."""
+    muscles = [replace(m, tendon="rigid", tendon_slack_length=1e-4) if m.name == "BIClong" else m for m in arm.muscles]
+    with pytest.raises(EquilibriumError, match=r"BIClong of arm14 cannot be in equilibrium: the path is so long"):
+        find_equilibrium(replace(arm, muscles=tuple(muscles)), POSTURES[0])
+
+
+def test_torques_that_no_excitation_exerts_are_not_an_equilibrium(arm):
+    """Also where they are small: the gravity of an arm whose muscles have hardly any force."""
+    weak = tuple(replace(m, max_isometric_force=1e-6) for m in arm.muscles)
+    light = replace(arm, muscles=weak, gravity=(0.0, -0.01, 0.0))
+    with pytest.raises(EquilibriumError, match="cannot hold the joint angles"):
+        find_equilibrium(light, POSTURES[0])
+
+
+@pytest.mark.parametrize("angle", [1e7, np.nan, np.inf])
+def test_joint_angles_have_a_limit(arm, angle):
+    with pytest.raises(StateError, match="joint angles"):
+        find_equilibrium(arm, np.array([0.0, angle]))

@@ -1,13 +1,16 @@
 """Contraction dynamics: velocities, forces and equilibria against OpenSim, derivatives, and the implicit step."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from drakearm.model import load_arm
 from drakearm.muscle.contraction import equilibrium_fiber_length, fiber_step, fiber_velocity, tendon_force
+from drakearm.muscle.models import MODELS
 from drakearm.muscle.thelen2003 import LINEAR_SLOPE, TOE_RATIO
 
 ARM = load_arm("arm14")
@@ -62,6 +65,23 @@ def test_fiber_rests_at_its_equilibrium(i, a, stretch):
     fiber_length = equilibrium_fiber_length(a, mtu_length, m)
     velocity, _, slope, _ = fiber_velocity(a, fiber_length, mtu_length, m)
     assert abs(velocity) <= abs(slope) * 1e-9 + 1e-12  # within 1 nm of rest
+
+
+FAR = [replace(ARM.muscles[3], model=model, **change) for model in MODELS for change in ({}, {"pennation_angle": 0.2})]
+FAR = replace(ARM, muscles=tuple(replace(m, name=f"m{i}") for i, m in enumerate(FAR))).muscle_table
+
+
+@settings(deadline=None)
+@given(st.sampled_from(range(len(FAR))), st.floats(0.0, 1.0), st.floats(0.0, 1e3), st.floats(-1e6, 1e6))
+@example(0, 0.01, 0.0, 0.3)  # a fiber without length has no direction
+@example(0, 0.01, 30.0, 0.3)  # the active force is smaller than the smallest number
+def test_velocity_and_force_are_finite_in_every_state(i, a, fiber_length, mtu_length):
+    """Also where no fiber can be: far outside the range of a joint."""
+    m = FAR[i]
+    for values in (fiber_velocity(a, fiber_length, mtu_length, m), tendon_force(fiber_length, mtu_length, m)):
+        assert np.isfinite(values).all()
+    later, velocity = fiber_step(a, fiber_length, fiber_length, mtu_length, 1e-3, m)
+    assert np.isfinite([later, velocity]).all()
 
 
 def test_a_path_shorter_than_the_tendon_has_no_equilibrium():

@@ -1,5 +1,8 @@
 """HillMuscles: ports, outputs at rest, both kinds of state, statics against OpenSim, and whole simulations."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
@@ -7,7 +10,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
-from drakearm.errors import EquilibriumError
+from drakearm.errors import EquilibriumError, StateError
 from drakearm.model.musculature import equilibrium_fiber_lengths, muscle_geometry
 from drakearm.systems import HillMuscles
 
@@ -73,6 +76,45 @@ def test_posture_without_equilibrium_is_an_error_that_names_the_muscles(arm):
     muscles = HillMuscles(arm)
     with pytest.raises(EquilibriumError, match="BIClong"):
         muscles.SetEquilibrium(muscles.CreateDefaultContext(), np.array([5.0, 5.0]))
+
+
+@pytest.mark.parametrize("model", ["thelen2003", "degroote2016"])
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
+def test_outputs_are_finite_far_outside_the_range_of_the_joints(arm, outputs, time_step, model):
+    muscles = HillMuscles(replace(arm, muscles=tuple(replace(m, model=model) for m in arm.muscles)), time_step)
+    context = muscles.CreateDefaultContext()
+    muscles.SetEquilibrium(context, np.array([0.1, 0.9]))
+    names = [*NAMES, "metabolic_power", "joint_moment"]
+    for angle in (-1000.0, -5.0, 5.0, 1000.0):
+        inputs = {"excitation": np.full(N, 0.2), "arm_state": [angle, angle, 1e3, -1e3]}
+        for values in outputs(muscles, inputs, names, context):
+            assert np.isfinite(values).all()
+        if not time_step:
+            assert np.isfinite(muscles.EvalTimeDerivatives(context).CopyToVector()).all()
+
+
+def test_an_arm_need_not_have_an_equilibrium_with_its_joints_at_0(arm):
+    """Its joints may never be there. The default state is replaced when a simulation starts."""
+    muscles = tuple(
+        replace(m, tendon_slack_length=1.6 * m.tendon_slack_length) if m.name == "BIClong" else m for m in arm.muscles
+    )
+    muscles = HillMuscles(replace(arm, muscles=muscles))
+    context = muscles.CreateDefaultContext()
+    with pytest.raises(EquilibriumError, match="BIClong"):
+        muscles.SetEquilibrium(context, np.array([0.0, 0.0]))
+    muscles.SetEquilibrium(context, np.array([-1.5, 0.0]))
+
+
+def test_a_motion_that_diverges_is_an_error(arm, tmp_path):
+    """A thousandth of the masses is too light for the muscles and stops, at this time step."""
+    urdf = re.sub(
+        r'(mass value|ixx|iyy|izz|ixy|ixz|iyz)="(.*?)"',
+        lambda m: f'{m[1]}="{1e-6 * float(m[2])}"',
+        arm.skeleton.read_text(),
+    )
+    (tmp_path / "skeleton.urdf").write_text(urdf)
+    with pytest.raises(StateError, match="motion of arm14 diverges"):
+        simulate(replace(arm, skeleton=tmp_path / "skeleton.urdf"), 1e-3, np.full(N, 1.0), np.array([0.1, 0.6]), 0.3)
 
 
 def simulate(arm, time_step, excitation, q, duration):
