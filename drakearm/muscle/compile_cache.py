@@ -31,7 +31,7 @@ from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 
-from drakearm.errors import StorageError, shown
+from drakearm.errors import DrakearmError, StorageError, shown
 from drakearm.files import replacement
 
 _CHECKSUM_SIZE = hashlib.sha256().digest_size  # bytes
@@ -41,7 +41,8 @@ _warned: set[str] = set()
 def cache_folder() -> Path | None:
     """The cache folder for the present source files of drakearm: every change of a file gives another folder.
 
-    It is in the folder NUMBA_CACHE_DIR, else in XDG_CACHE_HOME, else in the user's ~/.cache. None: the user has no home.
+    It is in the folder NUMBA_CACHE_DIR, else in XDG_CACHE_HOME, else in the user's ~/.cache. Returns None if the user
+    has no home.
     """
     home = os.path.expanduser("~")
     if config.CACHE_DIR:  # type: ignore[attr-defined]
@@ -90,7 +91,7 @@ class CompileCache(NullCache):
             _discard(file, f"{type(problem).__name__}: {problem}")
             return None
 
-    def save_overload(self, signature: Any, result: CompileResult) -> None:
+    def save_overload(self, signature: Any, result: Any) -> None:
         """Keeps a compiled function, if that is possible."""
         if result.library.has_dynamic_globals or any(not loop.can_cache for loop in result.lifted):
             return  # its code holds addresses in the memory of this process
@@ -161,4 +162,4 @@ def _warn_once(event: str, details: str) -> None:
     """Warns about the first event of its kind in this process."""
     if event not in _warned:
         _warned.add(event)
-        logging.getLogger("drakearm").warning("%s: %s.", event, details)
+        logging.getLogger("drakearm").warning("%s", DrakearmError(f"{event}: {details}."))

@@ -2,7 +2,6 @@
 
 import os
 import re
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +13,7 @@ from numba.core import config
 
 from drakearm.muscle import compile_cache
 from drakearm.muscle.compile_cache import CompileCache, cache_folder
+from tests.full_disk import full_disk
 
 
 @pytest.fixture(autouse=True)
@@ -136,12 +136,8 @@ def test_where_nothing_can_be_kept_functions_run_and_one_line_says_so(tmp_path, 
 
 
 def test_a_full_disk_leaves_no_part_of_a_file(tmp_path, caplog):
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))  # bytes that a file can have
-    try:
+    with full_disk():
         assert dispatcher(tmp_path)(1.5) == 3.0
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
     assert len(caplog.messages) == 1 and "cannot be kept" in caplog.text
 
