@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from pydrake.geometry import MeshcatAnimation
 
-from drakearm.files import write_text
+from drakearm.files import replacement
 from drakearm.model import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
@@ -50,4 +50,5 @@ def write_replay(
     animation.set_repetitions(_REPETITIONS)
     meshcat.PublishRecording()
     page = make_page(meshcat.StaticHtml(), title, PLAYBACK_SPEED, recording.t[-1] - recording.t[0])
-    write_text(Path(file), page)
+    with replacement(Path(file)) as partial:
+        partial.write_text(page, encoding="utf-8")
