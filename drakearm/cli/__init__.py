@@ -5,7 +5,9 @@ at once.
 """
 
 import logging
+import os
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,7 +15,8 @@ import typer
 from drakearm.cli import evaluate, inspect, plan, replay, run, train
 from drakearm.cli.console import console, show_error
 from drakearm.cli.list import list_scenarios
-from drakearm.errors import DrakearmError
+from drakearm.cli.streams import abandon_output, prepare_streams
+from drakearm.errors import DrakearmError, shown
 
 # Typer imports pydantic to convert a flag that is not given, unless its default is False. That would double the time.
 _QUICK_FLAGS = {"help": False, "install_completion": False, "show_completion": False, "list": {"help": False}}
@@ -58,15 +61,37 @@ def _options(
 
 
 def main() -> None:
-    """Entry point: errors that a user can cause are one sentence on stderr and exit code 1."""
+    """Entry point. An error that the user or the computer causes is one sentence on stderr and exit code 1.
+
+    Ctrl-C is exit code 130. Any other exception is a bug, so it is shown with its traceback.
+    """
+    prepare_streams()
     # Meshcat announces itself when a replay is written. A filter, because Drake sets its level when it is imported.
     logging.getLogger("drake").addFilter(lambda record: record.levelno >= logging.WARNING)
     try:
         app()
     except DrakearmError as error:
-        show_error(error)
-        sys.exit(1)
+        message = str(error)
+    except OSError as error:
+        message = _refusal(error)
+    except MemoryError:
+        message = "There is not enough memory."
+    except RecursionError:
+        message = "Something is nested too deeply: expected fewer lists, mappings or calls inside each other."
+    except KeyboardInterrupt:
+        sys.exit(130)
     except SystemError as error:  # what Numba makes of Ctrl-C while it loads or compiles a function
         if not isinstance(error.__cause__, KeyboardInterrupt):
             raise
         sys.exit(130)
+    else:
+        return
+    show_error(message)
+    abandon_output()
+    sys.exit(1)
+
+
+def _refusal(error: OSError) -> str:
+    """A sentence about what the operating system refuses, for example because the disk is full."""
+    place = shown(Path(os.fsdecode(error.filename))) if isinstance(error.filename, str | bytes) else "The command"
+    return f"{place} failed: {error.strerror or error}."

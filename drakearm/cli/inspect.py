@@ -1,18 +1,29 @@
 """`drakearm inspect`."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.errors import RunFolderError
+from drakearm.cli.options import name_or_path, path
+from drakearm.errors import StorageError, shown
 
 
 def inspect(
-    arm: Annotated[str, typer.Argument(help="arm14, or the folder of your own arm.", metavar="ARM")],
+    arm: Annotated[
+        str, typer.Argument(help="arm14, or the folder of your own arm.", metavar="ARM", parser=name_or_path)
+    ],
     out: Annotated[
-        Path | None, typer.Option("--out", help="The picture, a .png file. [default: ARM.png]", show_default=False)
+        Path | None,
+        typer.Option(
+            "--out",
+            help="The picture, a .png file. [default: ARM.png]",
+            metavar="FILE",
+            parser=path,
+            show_default=False,
+        ),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an earlier picture.")] = False,
 ) -> None:
@@ -27,16 +38,22 @@ def inspect(
 
     loaded = load_arm(arm)
     file = out or Path(f"{loaded.name}.png")
-    _check_picture_path(file, overwrite)
+    _prepare_picture(file, overwrite)
     inspection = inspect_arm(loaded)
     write_arm_picture(inspection, file)
     console.print(muscle_table(inspection))
     say(f"open {file} for lengths, moment arms and curves")
 
 
-def _check_picture_path(file: Path, overwrite: bool) -> None:
-    """Raises RunFolderError unless a picture may be written to `file`."""
+def _prepare_picture(file: Path, overwrite: bool) -> None:
+    """Makes the picture's folder. Raises StorageError if a picture may not be written to `file`."""
+    from drakearm.files.writing import storage
+
     if file.suffix != ".png":
-        raise RunFolderError(f"{file} is no name for a picture: expected one that ends in .png.")
-    if file.exists() and not overwrite:
-        raise RunFolderError(f"{file} exists already: choose another file with --out, or replace it with --overwrite.")
+        raise StorageError(f"{shown(file)} is no name for a picture: expected one that ends in .png.")
+    if os.path.lexists(file) and not overwrite:
+        raise StorageError(
+            f"{shown(file)} exists already: choose another file with --out, or replace it with --overwrite."
+        )
+    with storage(file):
+        file.parent.mkdir(parents=True, exist_ok=True)

@@ -15,5 +15,5 @@ def list_scenarios() -> None:
 
     table = Table("scenario", "what moves")
     for name, description in scenario_descriptions().items():
-        table.add_row(name, Text(description))
+        table.add_row(Text(name), Text(description))
     console.print(table)

@@ -1,11 +1,17 @@
-"""Arguments and options that several commands have."""
+"""Arguments and options that several commands have, and the checks of their values before any work begins."""
 
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from drakearm.errors import shown
 from drakearm.experiments.choices import EnvKind
+
+_LARGEST_SEED = 2**32 - 1  # that NumPy and PyTorch both take
+_MOST_BATCHES = 1_000_000
 
 
 def complete_scenario(incomplete: str) -> list[tuple[str, str]]:
@@ -15,21 +21,81 @@ def complete_scenario(incomplete: str) -> list[tuple[str, str]]:
     return [item for item in scenario_descriptions().items() if item[0].startswith(incomplete)]
 
 
+def name_or_path(text: str) -> str:
+    """An argument that names something. Refuses an empty one, which would mean the current folder."""
+    if not text.strip():
+        raise typer.BadParameter(f"found {shown(text)}, expected a name or a path.")
+    return text
+
+
+def path(text: str) -> Path:
+    """An option that names a file or folder. Refuses an empty one, which would mean the current folder."""
+    if not text.strip():
+        raise typer.BadParameter(f"found {shown(text)}, expected a path.")
+    return Path(text)
+
+
+def whole_number(least: int, most: int) -> Callable[[str], int]:
+    """The parser of an option that is a whole number in a range."""
+
+    def parse(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if not least <= value <= most:
+            raise typer.BadParameter(f"found {shown(text)}, expected a whole number from {least} to {most}.")
+        return value
+
+    return parse
+
+
+def duration(text: str) -> float:
+    """The parser of an option that is a time in seconds."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise typer.BadParameter(f"found {shown(text)}, expected a number of seconds greater than 0.")
+    return value
+
+
 ScenarioArgument = Annotated[
     str,
     typer.Argument(
         help="A name from `drakearm list`, or the path of a scenario file.",
         metavar="SCENARIO",
+        parser=name_or_path,
         autocompletion=complete_scenario,
     ),
 ]
 Out = Annotated[
-    Path | None, typer.Option("--out", help="Folder of the run. [default: runs/SCENARIO]", show_default=False)
+    Path | None,
+    typer.Option(
+        "--out",
+        help="Folder of the run. [default: runs/SCENARIO]",
+        metavar="FOLDER",
+        parser=path,
+        show_default=False,
+    ),
 ]
-Seed = Annotated[int, typer.Option(help="Seed of all random numbers: the same seed gives the same result.")]
+Seed = Annotated[
+    int,
+    typer.Option(
+        help="Seed of all random numbers: the same seed gives the same result.",
+        metavar="NUMBER",
+        parser=whole_number(0, _LARGEST_SEED),
+    ),
+]
 Batches = Annotated[
     int | None,
-    typer.Option(min=1, help="Train for this many batches instead of the scenario's number.", show_default=False),
+    typer.Option(
+        help="Train for this many batches instead of the scenario's number.",
+        metavar="NUMBER",
+        parser=whole_number(1, _MOST_BATCHES),
+        show_default=False,
+    ),
 ]
 Env = Annotated[
     EnvKind, typer.Option(help="Train on compiled arms, or on Drake Diagrams: the same arm, but slower to simulate.")
@@ -42,6 +108,7 @@ Import = Annotated[
         help="Import a module, or a .py file, that defines costs of your own, before the scenario is read. "
         "This **runs its code**. Give the option again for another module, and with each command of the run.",
         metavar="MODULE",
+        parser=name_or_path,
         show_default=False,
     ),
 ]

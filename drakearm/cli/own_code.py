@@ -2,12 +2,13 @@
 
 import importlib
 import importlib.util
+import os
 import sys
 import traceback
 from collections.abc import Iterable
 from pathlib import Path
 
-from drakearm.errors import OwnCodeError
+from drakearm.errors import OwnCodeError, shown
 
 
 def import_own_code(modules: Iterable[str] | None) -> None:
@@ -23,7 +24,7 @@ def import_own_code(modules: Iterable[str] | None) -> None:
         except (Exception, SystemExit) as error:
             said = str(error).rstrip(".")
             raise OwnCodeError(
-                f"--import {module} failed in {_place(error)}: {type(error).__name__}: {said}."
+                f"--import {shown(Path(module))} failed in {_place(error)}: {type(error).__name__}: {said}."
             ) from error
 
 
@@ -44,14 +45,14 @@ def _import_module(name: str) -> None:
         if error.name is None or not f"{name}.".startswith(f"{error.name}."):
             raise  # the module itself was found, but not what it imports
         raise OwnCodeError(
-            f"--import {name}: there is no module {error.name!r} in {Path.cwd()} or among the installed ones; "
+            f"--import: there is no module {shown(error.name)} in {shown(Path.cwd())} or among the installed ones; "
             "expected the name of a module or the path of a .py file."
         ) from error
 
 
 def _import_file(file: Path) -> None:
-    if not file.is_file():
-        raise OwnCodeError(f"--import {file}: there is no such file.")
+    if not os.path.isfile(file):  # also if its name is too long
+        raise OwnCodeError(f"--import {shown(file)}: there is no such file.")
     name = f"own_code_{file.stem}"  # does not hide an installed module of the same name
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None and spec.loader is not None

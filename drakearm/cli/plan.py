@@ -8,7 +8,7 @@ import typer
 
 from drakearm.cli.console import console, say
 from drakearm.cli.folders import run_folder, say_removed
-from drakearm.cli.options import Import, Overwrite, complete_scenario
+from drakearm.cli.options import Import, Overwrite, complete_scenario, duration, name_or_path, path
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.progress import show_progress
 from drakearm.errors import DrakearmError, RunFolderError
@@ -24,6 +24,7 @@ def plan(
         typer.Argument(
             help="Names from `drakearm list`, paths of scenario files, or `all` for all shipped scenarios.",
             metavar="SCENARIO...",
+            parser=name_or_path,
             autocompletion=complete_scenario,
         ),
     ],
@@ -32,6 +33,8 @@ def plan(
         typer.Option(
             "--out",
             help="Folder of the run; if there are several scenarios, the folder that holds all runs. [default: runs]",
+            metavar="FOLDER",
+            parser=path,
             show_default=False,
         ),
     ] = None,
@@ -39,6 +42,8 @@ def plan(
         float | None,
         typer.Option(
             help="Plan again every 40 ms, and only this many seconds ahead, as the paper does (it uses 1.6).",
+            metavar="SECONDS",
+            parser=duration,
             show_default=False,
         ),
     ] = None,

@@ -1,11 +1,12 @@
 """The shipped scenarios by name. Listing them reads only what the list shows, so that it is quick."""
 
+import os
 import re
 from pathlib import Path
 
 import yaml
 
-from drakearm.errors import ScenarioError, did_you_mean
+from drakearm.errors import ScenarioError, did_you_mean, shown
 
 _SHIPPED = Path(__file__).parent / "scenarios"
 _FastLoader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without its C part
@@ -32,9 +33,9 @@ def find_scenario(scenario: str | Path) -> Path:
     """The file of a shipped scenario, or the given path. Raises ScenarioError, listing the names, if there is none."""
     shipped = scenario_files()
     file = shipped.get(str(scenario), Path(scenario))
-    if not file.is_file():
+    if not os.path.isfile(file):  # also if its name is too long or has a NUL character
         raise ScenarioError(
-            f"There is no scenario {str(scenario)!r}{did_you_mean(str(scenario), shipped)}: "
+            f"There is no scenario {shown(str(scenario))}{did_you_mean(str(scenario), shipped)}: "
             f"expected the path of a file or one of {', '.join(shipped)}."
         )
     return file

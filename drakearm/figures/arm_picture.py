@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from drakearm.figures.style import finish_panel, joint_color, literal_text
+from drakearm.figures.style import finish_panel, joint_color, literal_text, save_picture
 from drakearm.model.inspection import Crossing, Inspection, MuscleInspection
 from drakearm.model.musculature import RESTING_ACTIVATION
 
@@ -35,9 +35,11 @@ _FONT = 9.5
 
 @literal_text
 def write_arm_picture(inspection: Inspection, file: Path) -> None:
-    """Draws the arm into a .png, and makes the file's folder if there is none."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    draw_arm(inspection).savefig(file, dpi=110)
+    """Draws the arm into a .png, and makes the file's folder if there is none.
+
+    Raises StorageError if the file cannot be written. What was there before is then left as it was.
+    """
+    save_picture(draw_arm(inspection), file, dpi=110)
 
 
 @literal_text

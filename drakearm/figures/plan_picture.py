@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from drakearm.figures.side_view import SideView
-from drakearm.figures.style import NOTE_COLOR, finish_panel, joint_color, literal_text
+from drakearm.figures.style import NOTE_COLOR, finish_panel, joint_color, literal_text, save_picture
 from drakearm.planning.feasibility import NEGLIGIBLE
 from drakearm.planning.plan_report import PlanReport
 from drakearm.systems.muscle_visualizer import activation_color
@@ -23,8 +23,8 @@ _DPI = 100
 
 @literal_text
 def write_plan_picture(report: PlanReport, file: Path) -> None:
-    """Draws the plan into a .png."""
-    draw_plan(report).savefig(file, dpi=_DPI)
+    """Draws the plan into a .png. Raises StorageError if it cannot be written, and leaves the earlier picture then."""
+    save_picture(draw_plan(report), file, dpi=_DPI)
 
 
 @literal_text

@@ -1,4 +1,4 @@
-"""The decorators of all compiled functions: Numba, with a cache that notices when any source file of drakearm changed.
+"""The decorators of all compiled functions: Numba, with the compile cache of drakearm.
 
 There are three decorators:
 
@@ -25,10 +25,9 @@ rounded (see `_OPTIONS`). What it could do for speed if it were allowed to is th
 """
 
 import functools
-import hashlib
 import os
 from collections.abc import Callable
-from pathlib import Path
+from contextlib import suppress
 from typing import Any
 
 import llvmlite.binding
@@ -36,19 +35,7 @@ import numba
 from numba.core import config, types
 from numba.extending import intrinsic
 
-
-def _cache_folder() -> Path:
-    """The cache folder for the present source files of drakearm: every change of a file gives another folder.
-
-    Numba's own cache checks only the file in which a function is defined. It would keep a compiled function although
-    another file, with a function that it calls, has changed.
-    """
-    user = config.CACHE_DIR  # type: ignore[attr-defined]
-    base = user or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "drakearm"
-    state = hashlib.sha256()
-    for file in sorted(Path(__file__).parents[1].rglob("*.py")):
-        state.update(file.read_bytes())
-    return Path(base) / state.hexdigest()[:16]
+from drakearm.muscle.compile_cache import CompileCache, cache_folder
 
 
 def _set_numba_options() -> None:
@@ -70,7 +57,7 @@ def _set_numba_options() -> None:
 
 
 _set_numba_options()
-_FOLDER = str(_cache_folder())
+_FOLDER = cache_folder()
 
 # Numba's option `fastmath` is off. With it the compiler may reorder sums and fuse a product with a sum, which changes
 # the last bits. Without it a function gives the same bits on every processor. It also gives the same bits in every
@@ -80,19 +67,14 @@ _OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def compiled(function: Callable[..., Any], **options: Any) -> Any:
-    """Compiles a function with Numba, for calls from Python. The result is cached on disk for later processes.
+    """Compiles a function with Numba, for calls from Python. The result is kept on disk for later processes.
 
-    A division by zero gives inf or NaN, as in NumPy.
+    A function that is not defined in a file, such as one in a notebook, is not kept. A division by zero gives inf or
+    NaN, as in NumPy.
     """
     dispatcher = numba.njit(**_OPTIONS, **options)(function)
-    before = config.CACHE_DIR  # type: ignore[attr-defined]
-    config.CACHE_DIR = _FOLDER  # type: ignore[attr-defined]
-    try:
-        dispatcher.enable_caching()
-    except RuntimeError:
-        pass  # Numba finds no folder that it may write to: every process compiles again
-    finally:
-        config.CACHE_DIR = before  # type: ignore[attr-defined]
+    with suppress(OSError):  # it is not from a file
+        dispatcher._cache = CompileCache(dispatcher, _FOLDER)
     return dispatcher
 
 

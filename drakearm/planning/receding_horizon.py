@@ -16,6 +16,7 @@ from drakearm.planning.transcription import transcribe, transcribe_movement
 from drakearm.systems.collocation_mpc import REPLANNING_STEP
 
 RECOVERY = 0.4  # s: a disturbed arm gets at least this much time to reach its target
+LONGEST = 10.0  # s: each plan has a knot per replanning step of the horizon
 STRAYED = (0.01, 0.2)  # rad and rad/s: an arm that is farther from its plan has been disturbed
 HOLDING = (Posture(running=100.0, running_speed=1.0), TorqueRate(weight=0.1))  # the costs after the movement
 _FEWEST = 6  # knots
@@ -35,9 +36,11 @@ class RecedingHorizon:
     """
 
     def __init__(self, model: PlanningModel, movement: Movement, horizon: float):
-        """horizon: s, at least RECOVERY. Raises PlanningError for a shorter horizon and for a free duration."""
-        if horizon < RECOVERY:
-            raise PlanningError(f"The horizon is {horizon:g} s: expected at least {RECOVERY:g} s.")
+        """horizon: s, from RECOVERY to LONGEST. Raises PlanningError for another horizon and for a free duration."""
+        if not RECOVERY <= horizon <= LONGEST:
+            raise PlanningError(
+                f"The horizon is {horizon:g} s: expected at least {RECOVERY:g} s and at most {LONGEST:g} s."
+            )
         if isinstance(movement.duration, tuple):
             raise PlanningError("The movement's duration is free: expected a fixed one for a receding horizon.")
         self._model, self._movement, self._horizon = model, movement, horizon

@@ -9,6 +9,10 @@ from pydrake.geometry import Rgba
 from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR
 from drakearm.systems.muscle_visualizer import activation_color
 
+# Lets the browser refuse every request to another place: all that the page may load is inside of it.
+_POLICY = """
+<meta http-equiv="Content-Security-Policy" content="default-src 'unsafe-inline' 'unsafe-eval' data: blob:">
+"""
 # Meshcat's page runs each command as soon as it is decoded, in any order. But an animation of colors only works on
 # objects that exist already. This script makes the page run the commands in their original order.
 _ORDER = """
@@ -85,7 +89,7 @@ _OVERLAY = Template("""
 def make_page(meshcat_html: str, title: str, speed: float, duration: float) -> str:
     """Adds a caption, a legend and time controls to the page of `Meshcat.StaticHtml()`.
 
-    speed: of the animation, as a fraction of real time. duration: s, of the movement in real time.
+    title: any text. speed: of the animation, as a fraction of real time. duration: s, of the movement in real time.
     """
     title = html.escape(title)
     overlay = _OVERLAY.substitute(
@@ -98,7 +102,7 @@ def make_page(meshcat_html: str, title: str, speed: float, duration: float) -> s
         duration=repr(float(duration)),
     )
     page = meshcat_html.replace("<title>Drake MeshCat</title>", f"<title>{title}</title>")
-    page = page.replace("</head>", f"{_ORDER}</head>")
+    page = page.replace("<head>", f"<head>{_POLICY}", 1).replace("</head>", f"{_ORDER}</head>")
     return page.replace("</body>", f"{overlay}</body>")
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from pydrake.geometry import MeshcatAnimation
 
+from drakearm.files import replacement
 from drakearm.model import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
@@ -30,7 +31,7 @@ def write_replay(
 
     It shows the arm with muscles colored by activation, the reference posture as a ghost, and the path of the hand's
     tip. It also shows the load (load_mass, kg) and the obstacle, if there are any. Append #t=0.3 to the page's address
-    to pause the replay at 0.3 s.
+    to pause the replay at 0.3 s. Raises StorageError if the file cannot be written, and leaves an earlier one then.
     """
     scene = ReplayScene(arm, load_mass, obstacle)
     scene.draw_tip_path(recording.q)
@@ -49,4 +50,5 @@ def write_replay(
     animation.set_repetitions(_REPETITIONS)
     meshcat.PublishRecording()
     page = make_page(meshcat.StaticHtml(), title, PLAYBACK_SPEED, recording.t[-1] - recording.t[0])
-    Path(file).write_text(page, encoding="utf-8")
+    with replacement(Path(file)) as partial:
+        partial.write_text(page, encoding="utf-8")

@@ -39,9 +39,7 @@ class ReplayScene:
         self._plant.Finalize()
         self._context = self._plant.CreateDefaultContext()
 
-        params = MeshcatParams()
-        params.host, params.port = "localhost", 0  # any free port
-        self.meshcat = Meshcat(params)
+        self.meshcat = Meshcat(MeshcatParams(host="localhost", port=0))  # any free port
         self._set_stage()
         self._skeleton = SkeletonDrawing(self.meshcat, f"{_ROOT}/arm", self._plant, scene_graph)
         self._ghost = SkeletonDrawing(self.meshcat, f"{_ROOT}/reference", self._plant, scene_graph, GHOST_COLOR)

@@ -89,7 +89,13 @@ def test_before_the_first_plan_there_is_no_torque_and_no_prediction(arm, model):
 
 @pytest.mark.parametrize(
     ("changes", "horizon", "message"),
-    [({}, 0.1, r"horizon is 0.1 s: expected at least 0.4 s"), ({"duration": (0.5, 0.7)}, 1.0, "duration is free")],
+    [
+        ({}, 0.1, r"horizon is 0.1 s: expected at least 0.4 s"),
+        ({}, float("nan"), "horizon is nan s: expected"),
+        ({}, float("inf"), "horizon is inf s: expected"),
+        ({}, 1e9, r"horizon is 1e\+09 s: expected at least 0.4 s and at most 10 s"),
+        ({"duration": (0.5, 0.7)}, 1.0, "duration is free"),
+    ],
 )
 def test_unusable_horizons_are_refused(arm, changes, horizon, message):
     with pytest.raises(PlanningError, match=message):

@@ -2,8 +2,13 @@
 
 from dataclasses import replace
 
+import pytest
+from matplotlib import rc_context
+
+from drakearm.errors import StorageError
 from drakearm.figures import draw_arm, write_arm_picture
 from drakearm.model.inspection import inspect_arm
+from tests.full_disk import full_disk
 
 
 def test_picture_has_one_row_per_muscle_of_any_kind(small):
@@ -15,7 +20,21 @@ def test_picture_has_one_row_per_muscle_of_any_kind(small):
     figure.canvas.draw()
 
 
-def test_dollar_signs_in_a_name_are_shown(arm, tmp_path):
-    muscles = (replace(arm.muscles[0], name="$x^$"),)  # as a formula, it would be an error
-    write_arm_picture(inspect_arm(replace(arm, muscles=muscles)), tmp_path / "arm.png")
-    assert (tmp_path / "arm.png").is_file()
+@pytest.mark.parametrize("name", ["$x^$", "$\\badcommand{$", r"\input{x}", "[/red]", "a_b^c", "%", "&"])
+@pytest.mark.parametrize("settings", [{}, {"text.usetex": True, "text.parse_math": True}], ids=["plain", "latex"])
+def test_names_are_shown_as_they_are(arm, tmp_path, name, settings):
+    """As a formula or as LaTeX code, some of them would be errors."""
+    muscles = (replace(arm.muscles[0], name=name),)
+    with rc_context(settings):  # a user's own
+        write_arm_picture(inspect_arm(replace(arm, name=name, muscles=muscles)), tmp_path / "arm.png")
+    assert (tmp_path / "arm.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_full_disk_leaves_the_earlier_picture(arm, tmp_path):
+    picture = tmp_path / "arm.png"
+    picture.write_text("an earlier picture")
+    inspection = inspect_arm(replace(arm, muscles=arm.muscles[:1]))
+    with full_disk(), pytest.raises(StorageError, match=r"arm.png cannot be written: File too large"):
+        write_arm_picture(inspection, picture)
+    assert picture.read_text() == "an earlier picture"
+    assert list(tmp_path.iterdir()) == [picture]

@@ -1,5 +1,6 @@
 """The content of a replay's page, and how a browser shows it."""
 
+import html
 import re
 import shutil
 import struct
@@ -14,12 +15,15 @@ from matplotlib.image import imread
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from drakearm.diagrams import MakePolicyLoop, MakeStaticLoop
+from drakearm.errors import StorageError
 from drakearm.experiments.scenario import load_scenario
 from drakearm.model import Arm, load_arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.replay import write_replay
+from drakearm.replay.page import make_page
+from tests.full_disk import full_disk
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 SAMPLES = 21
@@ -116,10 +120,38 @@ def test_page_loads_no_other_files(page: Path) -> None:
     assert not re.findall(r"@import|url\(\s*[\"']?https?:", text)
 
 
+def test_the_browser_refuses_every_request_to_another_place(page: Path) -> None:
+    """The first element of the page that could load anything is the policy that forbids it."""
+    policy = "default-src 'unsafe-inline' 'unsafe-eval' data: blob:"
+    text = page.read_text()
+    assert re.search(r"<[a-z][^>]*>", text[text.index("<head>") + 6 :])[0] == (
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
+    )
+
+
 def test_the_title_is_escaped(page: Path) -> None:
     text = page.read_text()
     assert "<title>Lift &lt;2 kg&gt;</title>" in text
     assert "<h1>Lift &lt;2 kg&gt;</h1>" in text
+
+
+@pytest.mark.parametrize(
+    "title", ["</title><script>alert(1)</script>", '"\' onload="alert(1)', "</head>", "$path ${x} $"]
+)
+def test_no_title_can_add_to_the_page(title: str) -> None:
+    page = make_page("<html><head><title>Drake MeshCat</title></head><body></body></html>", title, 0.25, 1.0)
+    plain = make_page("<html><head><title>Drake MeshCat</title></head><body></body></html>", "plain", 0.25, 1.0)
+    assert page.replace(html.escape(title), "plain") == plain
+    assert page.count("<script>") == plain.count("<script>") and page.count("</head>") == 1
+
+
+def test_a_full_disk_leaves_the_earlier_page(arm: Arm, recording: Recording, tmp_path: Path) -> None:
+    file = tmp_path / "replay.html"
+    file.write_text("an earlier page")
+    with full_disk(), pytest.raises(StorageError, match=r"replay.html cannot be written: File too large"):
+        write_replay(file, arm, recording)
+    assert file.read_text() == "an earlier page"
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def _picture(page: Path, time: float) -> np.ndarray:
