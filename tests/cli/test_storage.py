@@ -3,14 +3,13 @@
 import ctypes
 import errno
 import os
-import resource
 import shutil
-from contextlib import contextmanager
 
 import pytest
 
 from drakearm.experiments import RunFolder
 from tests.cli.command import drakearm, start
+from tests.full_disk import full_disk
 
 STEPS = ["plan", "train", "evaluate", "replay"]
 WRITTEN = {  # by each step, the file after which the disk is full
@@ -19,17 +18,6 @@ WRITTEN = {  # by each step, the file after which the disk is full
     "evaluate": ["recording.npz", "metrics.json"],
     "replay": ["replay.html"],
 }
-
-
-@contextmanager
-def files_of_at_most(size):
-    """No file can become larger than this many bytes: a write call fails, as on a full disk."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, limits[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
 @pytest.fixture
@@ -45,7 +33,7 @@ def contents(run):
 @pytest.mark.parametrize(("step", "file"), [(step, file) for step in STEPS for file in WRITTEN[step]])
 def test_a_full_disk_leaves_the_earlier_results(run, tiny, step, file):
     before = contents(run)
-    with files_of_at_most(int(0.9 * len(before[file]))):
+    with full_disk(room=int(0.9 * len(before[file]))):
         said = drakearm(step, tiny, "--out", run.folder, "--overwrite", code=1)
     assert said.endswith(f"cannot be written: {os.strerror(errno.EFBIG)}.") and len(said) <= 300
     assert contents(run) == before

@@ -2,12 +2,12 @@
 
 import errno
 import os
-import resource
 
 import pytest
 
 from drakearm.errors import StorageError
 from drakearm.files import replacement
+from tests.full_disk import full_disk
 
 
 def write_text(file, text):
@@ -35,13 +35,8 @@ def test_an_error_leaves_the_earlier_file(tmp_path):
 def test_what_does_not_fit_leaves_the_earlier_file(tmp_path):
     file = tmp_path / "file.txt"
     write_text(file, "first")
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
-    try:
-        with pytest.raises(StorageError, match=os.strerror(errno.EFBIG)):
-            write_text(file, "x" * 2000)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    with full_disk(), pytest.raises(StorageError, match=os.strerror(errno.EFBIG)):
+        write_text(file, "x" * 2000)
     assert file.read_text() == "first" and list(tmp_path.iterdir()) == [file]
 
 
