@@ -24,7 +24,7 @@ SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-cpus faults lint bench clean
+.PHONY: demo test test-cpus fuzz faults lint bench clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
@@ -46,6 +46,9 @@ bench: $(LINKED) ## how fast and how accurate, next to other packages where they
 	$(BIN)/python tests/benchmarks/integration.py
 	$(BIN)/python tests/benchmarks/planning.py
 	$(BIN)/python tests/benchmarks/learning.py
+
+fuzz: $(LINKED) ## reads and uses 10 000 malformed files of all types
+	$(BIN)/python tests/attacks/fuzz.py
 
 lint: $(LINKED) ## style and types
 	$(BIN)/ruff check .

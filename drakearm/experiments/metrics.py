@@ -19,12 +19,20 @@ _PACKAGES = ("drakearm", "drake", "torch", "numpy", "numba", "gymnasium")
 
 
 def run_policy(task: TrackingTask, policy: Policy) -> Recording:
-    """One closed-loop run with the policy's mean excitations, from the start without noise."""
+    """One closed-loop run with the policy's mean excitations, from the start without noise.
+
+    Raises PolicyFileError if the policy is not for this task.
+    """
+    policy.check(task)
     return MakePolicyLoop(task, policy.act).Run()
 
 
 def run_policy_stochastic(task: TrackingTask, policy: Policy, seed: int) -> list[Recording]:
-    """STOCHASTIC_RUNS closed-loop runs with excitations that are sampled from the policy, each from a random start."""
+    """STOCHASTIC_RUNS closed-loop runs with excitations that are sampled from the policy, each from a random start.
+
+    Raises PolicyFileError if the policy is not for this task.
+    """
+    policy.check(task)
     generators = [np.random.default_rng([seed, run]) for run in range(STOCHASTIC_RUNS)]
     return [MakePolicyLoop(task, partial(policy.act, rng=rng)).Run(rng) for rng in generators]
 

@@ -1,12 +1,13 @@
 """Scenarios: YAML files that say which movement to plan and how to learn it. drakearm ships those of the paper."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, InstanceOf, TypeAdapter, ValidationError, field_validator
+from pydantic import BeforeValidator, Field, InstanceOf, TypeAdapter, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import ScenarioError
@@ -22,6 +23,8 @@ from drakearm.model.reference import Reference
 from drakearm.planning import Movement
 from drakearm.task import OBSERVATIONS, ReferenceStart, Reward, RewardWeights, TrackingTask, observation_set
 
+ArmName = Annotated[PlainText, Field(min_length=1, max_length=1000)]
+
 
 def _read_reward(value: Any) -> Reward:
     """Reads a reward from a mapping. Without a `type`, the mapping has the weights of the paper's reward."""
@@ -36,7 +39,7 @@ class Tracking:
 
     reward: Annotated[InstanceOf[Reward], BeforeValidator(_read_reward)]
     observation: str = "full"  # name of a set in `drakearm.task.OBSERVATIONS`
-    start_noise_deg: NonNegative = 0.0  # degrees, standard deviation of the noise on the joint angles at the start
+    start_noise_deg: Annotated[NonNegative, Field(le=90.0)] = 0.0  # standard deviation of the joint angles at the start
 
     @field_validator("observation")
     @classmethod
@@ -54,8 +57,8 @@ class Scenario:
     description: PlainText
     movement: Movement  # what is planned
     tracking: Tracking  # what is learned
-    arm: str = "arm14"  # name of a shipped arm, or a user's folder, relative to the scenario file
-    load_mass: NonNegative = 0.0  # kg, welded to the hand
+    arm: ArmName = "arm14"  # name of a shipped arm, or a user's folder, relative to the scenario file
+    load_mass: Annotated[NonNegative, Field(le=1000.0)] = 0.0  # kg, welded to the hand
     obstacle: Obstacle | None = None  # which the plan avoids
     training: PpoSettings = field(default_factory=PpoSettings)
     preset: Preset = Preset.drakearm
@@ -84,4 +87,4 @@ def load_scenario(scenario: str | Path) -> Scenario:
     if loaded.preset is Preset.paper:
         loaded = replace(loaded, training=PAPER, tracking=replace(loaded.tracking, observation="paper"))
     own = file.resolve().parent / loaded.arm
-    return replace(loaded, arm=str(own)) if (own / "muscles.yaml").is_file() else loaded
+    return replace(loaded, arm=str(own)) if os.path.isfile(own / "muscles.yaml") else loaded

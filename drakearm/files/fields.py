@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-_LARGEST = 1e12  # of any number, in SI units: larger ones overflow where they are squared and summed
+LARGEST = 1e12  # of any number, in SI units: larger ones overflow where they are squared and summed
 _SMALLEST = 1e-12  # of a positive number: smaller ones overflow where it divides
 
 
@@ -44,11 +44,12 @@ def _plain_text(value: str) -> str:
 _UNPRINTABLE = ("Cc", "Cs", "Cf", "Zl", "Zp")  # control characters, half characters, changes of direction, line breaks
 
 Number = Annotated[float, BeforeValidator(_number)]
-Finite = Annotated[Number, Field(ge=-_LARGEST, le=_LARGEST)]
-Positive = Annotated[Number, Field(gt=0.0, le=_LARGEST), AfterValidator(_not_tiny)]
-NonNegative = Annotated[Number, Field(ge=0.0, le=_LARGEST)]
+Finite = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[Number, Field(gt=0.0, le=LARGEST), AfterValidator(_not_tiny)]
+NonNegative = Annotated[Number, Field(ge=0.0, le=LARGEST)]
 Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 Whole = Annotated[int, BeforeValidator(_number)]  # a whole number
+Degrees = Annotated[Number, Field(ge=-540.0, le=540.0)]  # of a joint: more than any turns
 Vector = tuple[Finite, Finite, Finite]
 
 FileName = Annotated[str, AfterValidator(_file_name)]  # becomes the name of a folder

@@ -1,5 +1,6 @@
 """What is wrong in a file that does not fit its schema, as one sentence."""
 
+import re
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
@@ -22,35 +23,82 @@ def first_problem(error: ValidationError, content: Mapping[str, Any], schema: ty
     content: what was validated. schema: the dataclass that it should be. An element of a list that has a `name` is
     called by it.
     """
-    problems = error.errors()
-    where, what = _problem(problems[0], content, schema)
-    more = len({p["loc"] for p in problems}) - 1
+    problems: dict[tuple[int | str, ...], list[Any]] = {}  # by the place in the content
+    for problem in error.errors(include_url=False):
+        problems.setdefault(_place(problem, content), []).append(problem)
+    place, here = next(iter(problems.items()))
+    more = len(problems) - 1
     others = f" (and {more} more problem{'s' * (more > 1)})" if more else ""
-    return f"{where}: {what}{others}"
+    return f"{_sentence(place, here, content, schema)}{others}"
 
 
-def _problem(problem: Any, content: Any, schema: type) -> tuple[str, str]:
-    """Where a problem is, and what was found and expected there."""
-    where, value = [], content
+def _place(problem: Any, content: Any) -> tuple[int | str, ...]:
+    """Where a problem is, without what pydantic adds to it: where a field has a choice of types, the name of a type."""
+    place = []
     for key in problem["loc"]:
         try:
-            value = value[key]
-        except (KeyError, IndexError, TypeError):  # a missing field, or pydantic's name of a variant
-            value = None
-        named = isinstance(key, int) and isinstance(value, dict) and isinstance(value.get("name"), str)
-        where.append(value["name"][:40] if named else str(key)[:40])
-    found, message = shown(problem["input"]), problem["msg"].removeprefix("Value error, ")
+            content = content[key]
+        except (KeyError, IndexError, TypeError):  # a missing field, or the name of a type
+            continue
+        place.append(key)
+    return (*place, problem["loc"][-1]) if problem["type"] == "missing" else tuple(place)
+
+
+def _sentence(place: tuple[int | str, ...], here: list[Any], content: Any, schema: type) -> str:
+    """Where a problem is, and what was found and expected there. here: one problem, or one for each possible type."""
+    where = ".".join(_called(place, content))
+    problem = here[0]
+    message = problem["msg"].removeprefix("Value error, ")
     match problem["type"]:
         case "missing":
-            what = "is missing, but required"
+            return f"{where}: is missing, but required"
         case "unexpected_keyword_argument" | "extra_forbidden":
-            known = [name for kind in _kinds_at(schema, problem["loc"][:-1]) for name in _names(kind)]
-            what = f"there is no such field{did_you_mean(str(problem['loc'][-1]), known)}"
-        case "value_error":
-            what = message if message.startswith("found ") else f"found {found}, {message}"
-        case _:
-            what = f"found {found}, expected {message.removeprefix('Input should be ')}"
-    return ".".join(where) or "the file", what
+            known = [name for kind in _kinds_at(schema, place[:-1]) for name in _names(kind)]
+            return f"{where}: there is no such field{did_you_mean(str(problem['loc'][-1]), known)}"
+        case "value_error" if message.startswith("found "):
+            return f"{where or 'the file'}: {message}"
+        case "value_error" if _FIELD.match(message):  # a field below this one
+            return f"{where}.{message}".removeprefix(".")
+    expected = " or ".join(dict.fromkeys(_expected(problem) for problem in here))
+    return f"{where or 'the file'}: found {shown(problem['input'])}, expected {expected}"
+
+
+def _called(place: tuple[int | str, ...], content: Any) -> Iterator[str]:
+    for key in place:
+        try:
+            content = content[key]
+        except (KeyError, IndexError):
+            content = None
+        named = isinstance(key, int) and isinstance(content, dict) and isinstance(content.get("name"), str)
+        yield content["name"][:40] if named else str(key)[:40]
+
+
+def _expected(problem: Any) -> str:
+    """What was expected, in the words of the project where pydantic's are those of Python."""
+    kind, limits = problem["type"], problem.get("ctx", {})
+    if kind in _EXPECTED:
+        return _EXPECTED[kind]
+    if kind.startswith("int_"):
+        return "a whole number"
+    if kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
+        least, count = "min_length" in limits, limits.get("min_length", limits.get("max_length"))
+        what = "character" if isinstance(problem["input"], str) else "value"
+        return f"at {'least' if least else 'most'} {count} {what}{'s' * (count != 1)}"
+    message = problem["msg"].removeprefix("Value error, ").removeprefix("expected ").removeprefix("Input should be ")
+    return f"a number {message}" if message.startswith(("greater ", "less ")) else message
+
+
+_FIELD = re.compile(r"[\w.-]+: ")
+_EXPECTED = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "string_type": "text",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "dataclass_type": "fields with values",
+    "dict_type": "fields with values",
+    "invalid_key": "names that are text",
+}
 
 
 def _names(kind: type) -> list[str]:

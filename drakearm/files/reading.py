@@ -5,27 +5,32 @@ aliases expand to are limited.
 """
 
 import json
+import math
 import re
+from collections import Counter
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import yaml
 
 from drakearm.errors import DrakearmError, shown
 
-_LARGEST = 5_000_000  # bytes of a file, and of what the aliases of a YAML file expand to
+_LARGEST = 5_000_000  # bytes of a file
+_LARGEST_YAML = 500_000  # bytes of a YAML file: a larger one could keep the reader busy for minutes
+_MOST_VALUES = 100_000  # in a YAML file, with those that its aliases repeat
 _DEEPEST = 50  # lists and mappings inside each other
 
 
-def read_text(file: Path, error: type[DrakearmError]) -> str:
-    """The text of a UTF-8 file. Raises `error` if it cannot be read, is no text, or is larger than 5 MB."""
+def read_text(file: Path, error: type[DrakearmError], largest: int = _LARGEST) -> str:
+    """The text of a UTF-8 file. Raises `error` if it cannot be read, is no text, or is larger than this many bytes."""
     try:
         with file.open("rb") as stream:
-            data = stream.read(_LARGEST + 1)
-    except OSError as problem:
-        raise error(f"{shown(file)} cannot be read: {problem.strerror}.") from problem
-    if len(data) > _LARGEST:
-        raise error(f"{shown(file)} is larger than {_LARGEST // 1_000_000} MB: expected a smaller text file.")
+            data = stream.read(largest + 1)
+    except (OSError, ValueError) as problem:  # ValueError: the path has a NUL
+        reason = getattr(problem, "strerror", None) or "no file can have this name"
+        raise error(f"{shown(file)} cannot be read: {reason}.") from problem
+    if len(data) > largest:
+        raise error(f"{shown(file)} is larger than {largest // 1000} kB: expected a smaller text file.")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
@@ -35,10 +40,10 @@ def read_text(file: Path, error: type[DrakearmError]) -> str:
 def read_yaml(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
     """The mapping in a YAML file: names with text, numbers, true, false, null, lists and mappings.
 
-    A date is text here, and 1e3 is a number. Raises `error` if the file is not valid YAML, if it has tags or a name
-    twice, or if it is too large or too deep.
+    As in YAML 1.2, a date is text, 1e3 is a number, and << is a name like others. Raises `error` if the file is not
+    valid YAML, if it has tags or a name twice, or if it is too large or too deep.
     """
-    text = read_text(file, error)
+    text = read_text(file, error, _LARGEST_YAML)
     try:
         content = yaml.load(text, _Loader)  # a SafeLoader
     except yaml.MarkedYAMLError as problem:
@@ -50,18 +55,37 @@ def read_yaml(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
         raise error(f"{shown(file)} is not valid YAML: {problem}.") from problem
     except ValueError as problem:  # Python does not read longer integers
         raise error(f"{shown(file)} is not valid YAML: found a number with thousands of digits.") from problem
+    _check_size(content, file, error, _MOST_VALUES)
     return _checked_mapping(content, file, error)
 
 
 def read_json(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
-    """The object in a JSON file. Raises `error` if the file holds anything else, NaN, or is too large or too deep."""
+    """The object in a JSON file. Raises `error` if the file holds anything else, or as `parse_json` does."""
+    return _checked_mapping(parse_json(read_text(file, error), file, error), file, error)
+
+
+def parse_json(text: str, file: Path, error: type[DrakearmError], *, infinity: bool = False) -> Any:
+    """The value that a JSON text in a file describes.
+
+    Raises `error` if the text is no JSON, is too large or too deep, or has a number that is not finite. infinity:
+    whether Infinity and -Infinity are allowed.
+    """
+
+    def constant(name: str) -> float:
+        number = float(name)
+        if math.isfinite(number) or (infinity and not math.isnan(number)):
+            return number
+        raise ValueError(f"found {name[:40]}, expected a finite number")
+
     try:
-        content = json.loads(read_text(file, error), parse_constant=_refuse_constant)
+        content = json.loads(text, parse_constant=constant, parse_float=constant)
     except RecursionError as problem:
         raise _too_deep(file, error) from problem
-    except ValueError as problem:
-        raise error(f"{shown(file)} is damaged: it is not valid JSON ({problem}).") from problem
-    return _checked_mapping(content, file, error)
+    except ValueError as problem:  # of thousands of digits Python writes a long sentence
+        found = "" if "digits" in str(problem) else f" ({problem})"
+        raise error(f"{shown(file)} is damaged: it is not valid JSON{found}.") from problem
+    _check_size(content, file, error, _LARGEST)
+    return content
 
 
 class _Loader(yaml.SafeLoader):
@@ -81,15 +105,16 @@ class _Loader(yaml.SafeLoader):
         if len(names) < len(node.value):
             problem = "found a list or mapping as the name of a field, expected text"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
-        for name in names:
-            if name != "<<" and names.count(name) > 1:
-                raise yaml.constructor.ConstructorError(None, None, f"found {shown(name)} twice", node.start_mark)
+        twice, count = Counter(names).most_common(1)[0] if names else ("", 0)
+        if count > 1:
+            raise yaml.constructor.ConstructorError(None, None, f"found {shown(twice)} twice", node.start_mark)
         return super().construct_mapping(node, deep)
 
 
-# Numbers as in YAML 1.2: 1e3 is one, although dot and sign are missing, 010 is 10, and 10:30 is text. So is a date.
+# Numbers as in YAML 1.2: 1e3 is one, although dot and sign are missing, 010 is 10, and 10:30 is text. So is a date. And
+# << does not merge mappings: a short file of merged mappings could take all memory.
 _Loader.yaml_implicit_resolvers = {
-    first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith((":timestamp", ":int", ":float"))]
+    first: [(tag, pattern) for tag, pattern in resolvers if tag.endswith((":bool", ":null"))]
     for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
 _Loader.add_implicit_resolver(
@@ -110,13 +135,16 @@ def _checked_mapping(content: Any, file: Path, error: type[DrakearmError]) -> di
     if not all(isinstance(name, str) for name in content):
         name = next(name for name in content if not isinstance(name, str))
         raise error(f"{shown(file)}: found the field {shown(name)}, expected names that are text.")
+    return content
+
+
+def _check_size(content: Any, file: Path, error: type[DrakearmError], most: int) -> None:
     try:
         size = _expanded_size(content, {}, 0)
     except RecursionError as problem:
         raise _too_deep(file, error) from problem
-    if size > _LARGEST:
-        raise error(f"{shown(file)} is too large: its aliases expand to {size:.1g} values.")
-    return content
+    if size > most:
+        raise error(f"{shown(file)} is too large: it holds more than {most:,} values.")
 
 
 def _expanded_size(value: Any, known: dict[int, int], depth: int) -> int:
@@ -133,7 +161,3 @@ def _expanded_size(value: Any, known: dict[int, int], depth: int) -> int:
 
 def _too_deep(file: Path, error: type[DrakearmError]) -> DrakearmError:
     return error(f"{shown(file)}: expected at most {_DEEPEST} lists and mappings inside each other.")
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"found {name}, expected a finite number")

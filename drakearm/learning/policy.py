@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -12,13 +11,12 @@ import numpy as np
 import safetensors.torch
 import torch
 from numpy.typing import ArrayLike, NDArray
-from safetensors import SafetensorError, safe_open
 from torch import Tensor, nn
 
-from drakearm.errors import PolicyFileError
-
-FORMAT = "drakearm-policy"
-FORMAT_VERSION = 1
+from drakearm.errors import PolicyFileError, shown
+from drakearm.files import replacement
+from drakearm.learning.policy_file import FORMAT, FORMAT_VERSION, read_policy, tensor_problem
+from drakearm.task import TrackingTask
 
 
 def _mlp(
@@ -166,10 +164,24 @@ class Policy(nn.Module):
             action += std * rng.standard_normal(action.shape)
         return np.clip(action, self.low, self.high)
 
+    def check(self, task: TrackingTask) -> None:
+        """Raises PolicyFileError unless the policy maps the task's observations to excitations of its muscles."""
+        for what, found, expected in (
+            ("observations of length", self.n_observations, task.observation.size),
+            ("actions of length", self.n_actions, len(task.arm.muscles)),
+        ):
+            if found != expected:
+                raise PolicyFileError(f"The policy has {what} {found}, but the task needs {expected}.")
+        if self.low.min() < 0.0 or self.high.max() > 1.0:
+            raise PolicyFileError(
+                f"The policy's actions are from {self.low.min():g} to {self.high.max():g}: "
+                f"expected excitations, which are from 0 to 1."
+            )
+
     def save(self, path: Path | str) -> None:
         """Writes the policy as a safetensors file. Its header holds everything but the weights, as JSON.
 
-        The file is replaced only when the new one is complete: a process that is killed before leaves the old file.
+        Raises StorageError if the file cannot be written; an earlier file is then still there.
         """
         header = {
             "format": FORMAT,
@@ -182,47 +194,32 @@ class Policy(nn.Module):
             "metadata": self.metadata,
         }
         data = safetensors.torch.save(self.state_dict(), {key: json.dumps(value) for key, value in header.items()})
-        path = Path(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(path.name + ".partial")
-        partial.write_bytes(data)
-        os.replace(partial, path)
+        with replacement(Path(path)) as partial:
+            partial.write_bytes(data)
 
     @classmethod
     def load(cls, path: Path | str) -> "Policy":
         """Reads what `save` wrote. Raises PolicyFileError for any other file."""
         path = Path(path)
-        if not path.is_file():
-            raise PolicyFileError(f"There is no policy file {path}.")
-        try:
-            with safe_open(path, framework="pt") as file:
-                header = file.metadata() or {}
-                weights = {name: file.get_tensor(name) for name in file.keys()}
-        except (SafetensorError, OSError) as error:
-            raise PolicyFileError(f"{path} is damaged or not a policy file: expected safetensors ({error}).") from error
-        try:
-            fields = {key: json.loads(value) for key, value in header.items()}
-        except ValueError:
-            fields = {}
-        if fields.get("format") != FORMAT:
-            raise PolicyFileError(f"{path} is a safetensors file, but not a drakearm policy.")
-        if fields.get("version") != FORMAT_VERSION:
+        header, weights = read_policy(path)
+        # Building networks takes memory and time. So their size is compared with the file's first.
+        numbers = sum(tensor.numel() for tensor in weights.values())
+        if numbers != header.n_weights:
             raise PolicyFileError(
-                f"{path} has version {fields.get('version')} of the policy format, "
-                f"but this drakearm reads version {FORMAT_VERSION}."
+                f"{shown(path)}: the header does not fit its weights: found {numbers} numbers, expected "
+                f"{header.n_weights} for layers of these widths."
             )
-        try:
-            n_observations, low = fields["n_observations"], fields["low"]
-            policy = cls(
-                Actor(n_observations, len(low), fields["actor_layers"]),
-                Critic(n_observations, fields["critic_layers"]),
-                low,
-                fields["high"],
-                fields["metadata"],
-            )
-            policy.load_state_dict(weights)
-        except (KeyError, TypeError, ValueError, RuntimeError) as error:
-            raise PolicyFileError(
-                f"The policy file {path} is damaged: its header does not fit its weights ({error})."
-            ) from error
+        policy = cls(
+            Actor(header.n_observations, len(header.low), header.actor_layers),
+            Critic(header.n_observations, header.critic_layers),
+            header.low,
+            header.high,
+            header.metadata,
+        )
+        expected = policy.state_dict()
+        for name in sorted(expected.keys() | weights.keys()):
+            problem = tensor_problem(name, weights.get(name), expected.get(name))
+            if problem:
+                raise PolicyFileError(f"{shown(path)}: {name[:60]}: {problem}.")
+        policy.load_state_dict(weights)
         return policy

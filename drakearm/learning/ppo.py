@@ -1,7 +1,7 @@
 """Proximal policy optimization, PPO (Schulman et al. 2017). To read it, begin with `train`.
 
 The current policy collects a batch of transitions. Several epochs of minibatch updates then change the policy. The
-clipped objective takes away the gain from moving far from the policy that collected the batch. The losses and their
+clipped objective gives no gain for moving far away from the policy that collected the batch. The losses and their
 gradients are in `drakearm.learning.learners`.
 """
 
@@ -19,42 +19,55 @@ import numpy as np
 import torch
 from gymnasium.spaces import Box
 from gymnasium.vector import VectorEnv
-from pydantic import ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveInt
+from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TrainingError
+from drakearm.files.fields import STRICT, Finite, Fraction, Positive, Whole
 from drakearm.files.writing import storage
 from drakearm.learning.backprop import separate_weights
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
+from drakearm.learning.policy_file import Layers
 from drakearm.learning.rollout import Collector, Rollout, gae
 
-UnitInterval = Annotated[float, Field(ge=0.0, le=1.0)]
+_MOST_TRANSITIONS = 500_000  # per batch: more could exhaust the memory
+_Std = Annotated[Positive, Field(ge=1e-6, le=1e6)]
 
 
-@dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
+@dataclass(frozen=True, config=STRICT)
 class PpoSettings:
     """How to train. The defaults start from imitation. `PAPER`, as in the paper, starts from random weights."""
 
-    batches: PositiveInt = 60  # rounds of collecting and updating
-    environments: PositiveInt = 64  # arms: the vector environment must hold as many
-    steps: PositiveInt = 75  # control steps per environment and batch
-    epochs: PositiveInt = 5  # passes over a batch
-    minibatches: PositiveInt = 4  # updates per pass
-    learning_rate: PositiveFloat = 3e-5  # the actor's in the first batch
-    target_kl: PositiveFloat | None = 0.02  # nats per batch, held by the learning rate; None: this falls linearly to 0
-    critic_learning_rate: PositiveFloat = 1e-3  # in the first batch; it falls linearly to 0
-    gamma: UnitInterval = 0.97  # discount per control step
-    gae_lambda: UnitInterval = 0.95  # 0: one-step advantages, 1: returns minus values
-    clip: PositiveFloat = 0.2  # epsilon: probability ratios further from 1 than this bring no more gain
-    max_grad_norm: PositiveFloat = 0.5  # longer gradients are scaled down to this norm
-    value_weight: PositiveFloat = 0.5  # factor of the critic's loss
-    initial_std: PositiveFloat = 0.05  # standard deviation of the actions, in their unit
-    final_std: PositiveFloat | None = 0.01  # at the end, reached geometrically; None: it is learned
-    imitation_rounds: NonNegativeInt = 4  # of imitating static optimization before PPO; 0: random weights
-    initial_action: float = 0.15  # mean of the actions before training, in their unit
-    actor_layers: tuple[PositiveInt, ...] = (64,) * 5  # widths of the hidden layers, tanh
-    critic_layers: tuple[PositiveInt, ...] = (64,) * 3  # widths of the hidden layers, PReLU
+    batches: Annotated[Whole, Field(gt=0, le=100_000)] = 60  # rounds of collecting and updating
+    environments: Annotated[Whole, Field(gt=0, le=4096)] = 64  # arms: the vector environment must hold as many
+    steps: Annotated[Whole, Field(gt=0, le=100_000)] = 75  # control steps per environment and batch
+    epochs: Annotated[Whole, Field(gt=0, le=100)] = 5  # passes over a batch
+    minibatches: Annotated[Whole, Field(gt=0, le=10_000)] = 4  # updates per pass
+    learning_rate: Annotated[Positive, Field(le=1.0)] = 3e-5  # the actor's in the first batch
+    target_kl: Positive | None = 0.02  # nats per batch, held by the learning rate; None: this falls linearly to 0
+    critic_learning_rate: Annotated[Positive, Field(le=1.0)] = 1e-3  # in the first batch; it falls linearly to 0
+    gamma: Fraction = 0.97  # discount per control step
+    gae_lambda: Fraction = 0.95  # 0: one-step advantages, 1: returns minus values
+    clip: Positive = 0.2  # epsilon: probability ratios further from 1 than this bring no more gain
+    max_grad_norm: Positive = 0.5  # longer gradients are scaled down to this norm
+    value_weight: Positive = 0.5  # factor of the critic's loss
+    initial_std: _Std = 0.05  # standard deviation of the actions, in their unit
+    final_std: _Std | None = 0.01  # at the end, reached geometrically; None: it is learned
+    imitation_rounds: Annotated[Whole, Field(ge=0, le=100)] = 4  # of imitating static optimization before PPO
+    initial_action: Finite = 0.15  # mean of the actions before training, in their unit
+    actor_layers: Layers = (64,) * 5  # widths of the hidden layers, tanh
+    critic_layers: Layers = (64,) * 3  # widths of the hidden layers, PReLU
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> "PpoSettings":
+        transitions = self.environments * self.steps
+        if transitions > _MOST_TRANSITIONS:
+            raise ValueError(
+                f"found {self.environments} environments and {self.steps} steps, expected at most "
+                f"{_MOST_TRANSITIONS:,} transitions per batch"
+            )
+        return self
 
 
 PAPER = PpoSettings(

@@ -1,14 +1,18 @@
 """An obstacle: a cylinder in the way of the arm. Plans go around it, replays show it."""
 
+from typing import Annotated
+
 import numpy as np
-from pydantic import field_validator
+from pydantic import Field, field_validator
 from pydantic.dataclasses import dataclass
 from pydrake.geometry import Cylinder
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.files.fields import STRICT, Positive, Vector
+from drakearm.files.fields import STRICT, Number, Positive, Vector
 
+_Place = Annotated[Number, Field(ge=-100.0, le=100.0)]  # m
+_Length = Annotated[Positive, Field(le=100.0)]  # m
 _COLOR = np.array([0.80, 0.36, 0.24, 1.0])
 
 
@@ -16,16 +20,16 @@ _COLOR = np.array([0.80, 0.36, 0.24, 1.0])
 class Obstacle:
     """A cylinder at rest in the world. Lengths in m. For the planner it has no ends: it is infinitely long."""
 
-    position: Vector  # p_WO, of its middle
+    position: tuple[_Place, _Place, _Place]  # p_WO, of its middle
     axis: Vector = (0.0, 0.0, 1.0)  # in the world; arm14 moves in the plane across z
-    radius: Positive
-    length: Positive = 0.3  # for drawing only
+    radius: _Length
+    length: _Length = 0.3  # for drawing only
 
     @field_validator("axis")
     @classmethod
     def _has_direction(cls, axis: Vector) -> Vector:
-        if not np.linalg.norm(axis) > 0.0:
-            raise ValueError("expected a vector that is not zero")
+        if not 1e-6 <= np.linalg.norm(axis) <= 1e6:
+            raise ValueError("expected a vector with a length from 1e-6 to 1e6, which is not zero")
         return axis
 
     @property

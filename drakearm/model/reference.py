@@ -2,24 +2,33 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.files.arrays import load_arrays, save_arrays
+from drakearm.errors import RunFolderError, shown
+from drakearm.files.arrays import Layout, array_problem, load_arrays, save_arrays
 
 CONTROL_STEP = 0.01  # s, between two samples of a reference, and between two decisions of a controller
+_LONGEST = 20_000  # samples, 200 s
+_PER_JOINT = ("N", "n_q")
+_Angles = Annotated[np.ndarray, Layout(_PER_JOINT, -10.0, 10.0)]  # rad: more than any joint of an arm turns
+_Speeds = Annotated[np.ndarray, Layout(_PER_JOINT, -1e3, 1e3)]  # rad/s: arms reach 30
 
 
 @dataclass(frozen=True)
 class Reference:
-    """Joint angles q, speeds v, accelerations a and torques tau, each (N, n_q), at times t (N,), in SI and radians."""
+    """Joint angles q, speeds v, accelerations a and torques tau, each (N, n_q), at times t (N,), in SI and radians.
 
-    t: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    tau: np.ndarray
+    The times begin at 0 and are CONTROL_STEP apart.
+    """
+
+    t: Annotated[np.ndarray, Layout(("N",))]
+    q: _Angles
+    v: _Speeds
+    a: Annotated[np.ndarray, Layout(_PER_JOINT, -1e6, 1e6)]
+    tau: Annotated[np.ndarray, Layout(_PER_JOINT, -1e9, 1e9)]
 
     @property
     def duration(self) -> float:
@@ -45,13 +54,33 @@ class Reference:
         return PiecewisePolynomial.CubicHermite(self.t, samples[:, :half].T, samples[:, half:].T)
 
     def save(self, file: Path) -> None:
-        """Writes an .npz with the arrays t, q, v, a, tau."""
+        """Writes an .npz with the arrays t, q, v, a, tau. Raises StorageError if the file cannot be written."""
         save_arrays(self, file)
 
     @classmethod
     def load(cls, file: Path) -> "Reference":
-        """Reads what `save` wrote. Raises RunFolderError if the file is missing or lacks an array."""
-        return load_arrays(cls, file)
+        """Reads what `save` wrote. Raises RunFolderError if the file is missing or damaged, or is no reference."""
+        loaded = load_arrays(cls, file)
+        problem = loaded.problem()
+        if problem:
+            raise RunFolderError(f"{shown(file)}: {problem}.")
+        return loaded
+
+    def problem(self) -> str | None:
+        """Why an arm cannot follow this reference: array, found, expected. None if it can. Torques do not matter."""
+        return array_problem(self, ("t", "q", "v", "a")) or time_problem(self.t, 0.0)
+
+
+def time_problem(t: np.ndarray, start: float) -> str | None:
+    """Why t (N,), s, are not the times of samples from `start` on: found, expected. None if they are."""
+    if not 2 <= len(t) <= _LONGEST:
+        return f"t: found N = {len(t)}, expected N = 2 to {_LONGEST}"
+    expected = start + CONTROL_STEP * np.arange(len(t))
+    wrong = np.abs(t - expected) > 1e-6
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        return f"t[{k}]: found {t[k]:g}, expected {expected[k]:g}, because samples are {CONTROL_STEP} s apart"
+    return None
 
 
 def sample_ranges(lengths: np.ndarray, task_of_arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """Optimal control by direct collocation: adds the costs to a problem, solves it and reports how it was solved."""
 
 import re
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,6 +23,7 @@ from drakearm.planning.newton import newton_solver_name, solve_newton
 from drakearm.planning.problem import Problem
 
 _GUESS_COST = 10.0  # of the initial guess, after scaling; values from 3 to 100 take about as long
+_LONGEST = 4.0  # s of processor time that the nonlinear solver may take; it usually takes less than one
 
 
 @dataclass(frozen=True)
@@ -45,22 +47,18 @@ def solve(problem: Problem, costs: Sequence[CostPiece], what: str, cost_scale: f
     what: continues "There is no plan" in that sentence, for example "from a to b". cost_scale: factor by which the
     solver's costs are multiplied; by default that of `guess_scale`.
     """
-    prog, collocation = problem.prog, problem.collocation
+    collocation = problem.collocation
     terms = [(cost.type, cost.add(problem)) for cost in costs]
     bindings = [binding for _, added in terms for binding in added]
     problem.scale_costs(bindings, cost_scale or guess_scale(problem, bindings))
     result, iterations = solve_newton(problem)
     name = newton_solver_name()
     if result is None:
-        solver, options = _choose_solver()
-        name = solver.solver_id().name()
-        seen = _count_evaluations(problem)
-        result = solver.Solve(prog, prog.initial_guess(), options)
-        iterations += len(seen)
-        if not result.is_success():
-            raise PlanningError(
-                f"There is no plan {what}: {explain(problem, solver, result.get_x_val())} ({name}: {_status(result)})."
-            )
+        result, name, evaluations = _solve_nonlinear(problem, what)
+        iterations += evaluations
+    values = _values(problem, terms, result.get_x_val())
+    if not np.isfinite([*result.get_x_val(), *values.values()]).all():
+        raise PlanningError(f"There is no plan {what}: the solver {name} found numbers that are not finite.")
     motion = Motion(collocation.ReconstructStateTrajectory(result), collocation.ReconstructInputTrajectory(result))
     q, v = np.split(collocation.GetStateSamples(result).T, 2, axis=1)
     return Solution(
@@ -68,12 +66,57 @@ def solve(problem: Problem, costs: Sequence[CostPiece], what: str, cost_scale: f
         solver=name,
         status=_status(result),
         iterations=iterations,
-        costs=_values(problem, terms, result.get_x_val()),
+        costs=values,
         t=problem.times,
         q=q,
         v=v,
         tau=collocation.GetInputSamples(result).T,
     )
+
+
+def _solve_nonlinear(problem: Problem, what: str) -> tuple[MathematicalProgramResult, str, int]:
+    """The solution, the solver's name and its evaluations. Raises PlanningError if there is none."""
+    solver, options = _choose_solver()
+    name = solver.solver_id().name()
+    clock = _Clock(problem)
+    try:
+        result = solver.Solve(problem.prog, problem.prog.initial_guess(), options)
+        if result.is_success():
+            return result, name, clock.evaluations
+        clock.start()
+        reason = f"{explain(problem, solver, result.get_x_val())} ({name}: {_status(result)})"
+    except (RuntimeError, TimeoutError) as error:  # a solver may turn the clock's error into its own
+        if not clock.is_over:
+            raise PlanningError(f"There is no plan {what}: {name} stopped, {str(error)[:100]}.") from error
+        reason = f"{name} found none in {_LONGEST:g} s; expected fewer knots, or limits and costs that are easier"
+    raise PlanningError(f"There is no plan {what}: {reason}.")
+
+
+class _Clock:
+    """Counts the evaluations of a problem, and stops its solver with a TimeoutError when the time is over.
+
+    Drake does not report a solver's iterations, and not every solver keeps a limit on its time.
+    """
+
+    def __init__(self, problem: Problem):
+        self.evaluations = 0
+        self._end = np.inf
+        problem.prog.AddVisualizationCallback(self._evaluated, problem.q(0))
+
+    def start(self) -> None:
+        """Gives the solver the whole time, again."""
+        self._end = time.thread_time() + _LONGEST
+
+    @property
+    def is_over(self) -> bool:
+        return time.thread_time() > self._end
+
+    def _evaluated(self, _: np.ndarray) -> None:
+        self.evaluations += 1
+        if self.evaluations == 2:  # during the first evaluation, functions may be compiled
+            self.start()
+        if self.is_over:
+            raise TimeoutError
 
 
 def evaluate(problem: Problem, costs: Sequence[CostPiece]) -> dict[str, float]:
@@ -95,14 +138,7 @@ def guess_scale(problem: Problem, bindings: Sequence[Binding]) -> float:
     SNOPT takes twenty times as long with costs that are small in comparison with its first guess of the Hessian.
     """
     of_guess = float(np.sum(problem.prog.EvalBindings(bindings, problem.prog.initial_guess())))
-    return _GUESS_COST / of_guess if of_guess > 0.0 else 1.0
-
-
-def _count_evaluations(problem: Problem) -> list[None]:
-    """A list that grows by one with every evaluation of the problem: Drake does not report a solver's iterations."""
-    seen: list[None] = []
-    problem.prog.AddVisualizationCallback(lambda _: seen.append(None), problem.q(0))
-    return seen
+    return _GUESS_COST / of_guess if 1e-30 < of_guess < 1e30 else 1.0
 
 
 def _choose_solver() -> tuple[SolverInterface, SolverOptions]:

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, InstanceOf
 from pydantic.dataclasses import dataclass
 from pydrake.solvers import Binding
 
-from drakearm.files.fields import STRICT, Finite, NonNegative
+from drakearm.files.fields import STRICT, Degrees, NonNegative
 from drakearm.files.kinds import Kind
 from drakearm.planning.problem import Problem
 
@@ -25,8 +25,8 @@ class CostPiece(Kind):
     def add(self, problem: Problem) -> list[Binding]:
         """Adds the cost to a problem, and returns what it added, so that the cost's value can be reported.
 
-        An integral over the movement is a sum over the knots, each with the time that it stands for (`problem.shares`).
-        So a weight means the same for any number of knots.
+        An integral over the movement is a sum over the knots. Each knot is multiplied by its share of the time
+        (`problem.shares`). So a weight has the same meaning for any number of knots.
         """
         raise NotImplementedError
 
@@ -64,7 +64,7 @@ class SwitchedTarget(CostPiece):
     """
 
     type = "switched_target"
-    first_deg: tuple[Finite, ...]  # per coordinate
+    first_deg: tuple[Degrees, ...]  # per coordinate
     switch_time: NonNegative  # t_s, s from the start
     weight: Weight  # of (q - set point)^2, 1/(rad^2 s)
 
@@ -125,7 +125,7 @@ class HeldJoint(CostPiece):
 
     type = "held_joint"
     joint: str
-    angle_deg: Finite
+    angle_deg: Degrees
     weight: NonNegative  # of (q_joint - angle)^2, 1/(rad^2 s)
 
     def add(self, problem: Problem) -> list[Binding]:
@@ -139,7 +139,7 @@ class HeldJoint(CostPiece):
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Duration(CostPiece):
-    """The duration of the movement. Without it a movement of free duration takes as long as it may."""
+    """The duration of the movement. Without it, a free duration becomes the longest one."""
 
     type = "duration"
     weight: NonNegative  # 1/s

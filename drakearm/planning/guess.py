@@ -12,7 +12,7 @@ from drakearm.model.skeleton import movement_torques
 from drakearm.planning.movement import Movement, in_degrees
 from drakearm.planning.planning_model import PlanningModel
 
-_LONGEST_DETOUR = np.deg2rad(60.0)  # of one joint from the straight way
+_LONGEST_DETOUR = np.deg2rad(60.0)  # by which one joint angle may leave the straight way
 _DETOURS = 625  # about how many are tried: 25 for each of two joints
 _SAMPLES = 41  # along a detour
 

@@ -9,13 +9,13 @@ from pydrake.solvers import Binding
 from scipy.optimize import minimize
 
 from drakearm.errors import PlanningError
-from drakearm.files.fields import STRICT, NonNegative
+from drakearm.files.fields import STRICT, Finite, NonNegative
 from drakearm.model.points import point_positions
 from drakearm.planning.costs import CostPiece
 from drakearm.planning.planning_model import PlanningModel
 from drakearm.planning.problem import Problem
 
-_REACHED = 0.005  # m, from the position: nearer is as good as there
+_REACHED = 0.005  # m: a smaller distance from the position counts as reached
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -23,7 +23,7 @@ class HandPosition(CostPiece):
     """Distance of the hand's tip from a point, squared, during the movement (integrated over time) and at its end."""
 
     type = "hand_position"
-    position: tuple[float | None, float | None, float | None]  # world, m; null: does not matter
+    position: tuple[Finite | None, Finite | None, Finite | None]  # world, m; null: does not matter
     running: NonNegative = 0.0  # 1/(m^2 s)
     final: NonNegative = 0.0  # 1/m^2
 
@@ -56,7 +56,9 @@ class HandPosition(CostPiece):
             error, jacobian = self._error(q, model)
             return float(error @ error), 2.0 * error @ jacobian
 
-        bounds = list(zip(np.maximum(model.lower, -np.pi), np.minimum(model.upper, np.pi), strict=True))
+        lower = np.where(np.isfinite(model.lower), model.lower, -np.pi)
+        upper = np.where(np.isfinite(model.upper), model.upper, np.pi)
+        bounds = list(zip(lower, np.maximum(lower, upper), strict=True))
         starts = product(*[(0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high) for low, high in bounds])
         nearest = min(minimize(squared, np.array(q), jac=True, bounds=bounds).fun for q in starts) ** 0.5
         if nearest > _REACHED:

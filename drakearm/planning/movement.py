@@ -6,30 +6,32 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 from pydantic.dataclasses import dataclass
 
-from drakearm.files.fields import STRICT, Finite, NonNegative, Positive
+from drakearm.files.fields import STRICT, Degrees, NonNegative, Positive, Whole
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning.costs import Cost
+
+_Duration = Annotated[Positive, Field(le=60.0)]  # s
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Movement:
     """A movement that starts at rest. Its fields are those of the section `movement` of a scenario file.
 
-    duration: fixed, or free between a shortest and a longest one, of which that of least cost is found. end: "rest", at
-    rest at the target, or "free", where only the costs bring the arm to the target.
+    duration: one number, or the shortest and the longest allowed duration, between which that of least cost is found.
+    end: "rest", at rest at the target, or "free", where only the costs bring the arm to the target.
     """
 
-    start_deg: tuple[Finite, ...]  # per coordinate
-    target_deg: tuple[Finite, ...]  # per coordinate
-    duration: Positive | tuple[Positive, Positive]  # s, whole control steps
+    start_deg: tuple[Degrees, ...]  # per coordinate
+    target_deg: tuple[Degrees, ...]  # per coordinate
+    duration: _Duration | tuple[_Duration, _Duration]  # s, whole control steps
     end: Literal["rest", "free"] = "rest"
-    hold: NonNegative = 0.05  # s of rest after the end
-    knots: Annotated[int, Field(ge=5)] = 21  # of the collocation, evenly spaced
-    angle_limit_deg: tuple[tuple[Finite, Finite], ...] | None = None  # per coordinate; default: joint limits
+    hold: Annotated[NonNegative, Field(le=60.0)] = 0.05  # s of rest after the end
+    knots: Annotated[Whole, Field(ge=5, le=200)] = 21  # of the collocation, evenly spaced
+    angle_limit_deg: tuple[tuple[Degrees, Degrees], ...] | None = None  # per coordinate; default: joint limits
     speed_limit: tuple[Positive, ...]  # rad/s, per coordinate
     torque_limit: tuple[Positive, ...]  # Nm, per coordinate
     clearance: Positive = 0.01  # m, from an obstacle at the knots; between them at least half of it
-    costs: Annotated[list[Cost], Field(min_length=1)]
+    costs: Annotated[list[Cost], Field(min_length=1, max_length=50)]
 
     @field_validator("duration", "hold")
     @classmethod

@@ -47,8 +47,13 @@ def solve_newton(problem: Problem) -> tuple[MathematicalProgramResult | None, in
         dynamics.evaluator().UpdateCoefficients(jacobian, jacobian @ x[index].ravel() - defect)
         for term in linear:
             term.update(x)
-        result = solver.Solve(convex)
-        if not result.is_success():
+        try:
+            result = solver.Solve(convex)
+        except (
+            RuntimeError
+        ):  # it finds that a cost is not convex, by rounding errors of weights of very different sizes
+            return None, iteration
+        if not (result.is_success() and np.isfinite(result.get_x_val()).all()):
             return None, iteration
         step = np.abs(result.get_x_val()[index] - x[index]).max()
         x = result.get_x_val()

@@ -23,6 +23,7 @@ from drakearm.planning.transcription import transcribe_movement
 from drakearm.planning.verification import check, verify
 
 _TOO_SHORT = 1e9  # cost of a duration for which there is no plan
+_LONGEST_SEARCH = 4.0  # s of processor time, after which no further duration is tried
 
 
 def plan(
@@ -51,6 +52,9 @@ def plan(
         found = _best_duration(model, movement)
     else:
         found = _plan(model, movement)
+    problem = found.reference.problem()
+    if problem:
+        raise PlanningError(f"The solver's plan is no movement of an arm: {problem}.")
     return replace(found, seconds=time.perf_counter() - began)
 
 
@@ -113,11 +117,14 @@ def _best_duration(model: PlanningModel, movement: Movement) -> Plan:
     assert isinstance(movement.duration, tuple)
     shortest, longest = movement.duration
     plans: dict[int, Plan | PlanningError] = {}
+    end = np.inf
 
     def cost(duration: float) -> float:
         """Of the best plan. Without one, a shorter duration costs more, so that the search turns to longer ones."""
         steps = round(duration / CONTROL_STEP)
         if steps not in plans:
+            if time.thread_time() > end:
+                return _TOO_SHORT
             try:
                 plans[steps] = _plan(model, replace(movement, duration=round(steps * CONTROL_STEP, 6)))
             except PlanningError as error:
@@ -125,8 +132,9 @@ def _best_duration(model: PlanningModel, movement: Movement) -> Plan:
         found = plans[steps]
         return _TOO_SHORT * (2.0 - duration / longest) if isinstance(found, PlanningError) else _total(found)
 
-    for duration in (shortest, longest):
-        cost(duration)
+    cost(longest)
+    end = time.thread_time() + _LONGEST_SEARCH  # what is compiled during the first plan does not count
+    cost(shortest)
     minimize_scalar(cost, bounds=(shortest, longest), method="bounded", options={"xatol": 0.5 * CONTROL_STEP})
     succeeded = [found for found in plans.values() if isinstance(found, Plan)]
     if not succeeded:

@@ -10,7 +10,7 @@ from pydrake.solvers import Binding, Constraint, MathematicalProgram, QuadraticC
 from pydrake.solvers import Cost as DrakeCost
 from pydrake.symbolic import Variable
 
-from drakearm.errors import PlanningError
+from drakearm.errors import PlanningError, shown
 from drakearm.planning.planning_model import PlanningModel
 
 Differentiable = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # x (n,) to values (m,) and Jacobian (m, n)
@@ -63,7 +63,7 @@ class Problem:
 
     @property
     def shares(self) -> np.ndarray:
-        """The time (s) that each knot stands for in an integral: the trapezoidal rule."""
+        """The time (s) by which each knot is multiplied in an integral: the trapezoidal rule."""
         steps = np.diff(self.times)
         return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
 
@@ -144,7 +144,7 @@ class Problem:
     def coordinate(self, name: str) -> int:
         """The index of a coordinate. Raises PlanningError for a name that the arm does not have."""
         if name not in self.coordinates:
-            raise PlanningError(f"A cost names the joint {name!r}: expected one of {', '.join(self.coordinates)}.")
+            raise PlanningError(f"A cost names the joint {shown(name)}: expected one of {', '.join(self.coordinates)}.")
         return self.coordinates.index(name)
 
     def weights(self, weight: float | Sequence[float]) -> np.ndarray:

@@ -31,8 +31,10 @@ def write_replay(
 
     It shows the arm with muscles colored by activation, the reference posture as a ghost, and the path of the hand's
     tip. It also shows the load (load_mass, kg) and the obstacle, if there are any. Append #t=0.3 to the page's address
-    to pause the replay at 0.3 s. Raises StorageError if the file cannot be written, and leaves an earlier one then.
+    to pause the replay at 0.3 s. Raises RunFolderError if the recording is not of this arm, StorageError if the file
+    cannot be written. An earlier file is left then.
     """
+    recording.check(arm)
     scene = ReplayScene(arm, load_mass, obstacle)
     scene.draw_tip_path(recording.q)
     scene.frame_camera(np.vstack([recording.q, recording.reference_q]))

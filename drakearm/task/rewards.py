@@ -9,16 +9,18 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic.dataclasses import dataclass
 
+from drakearm.errors import TaskError
 from drakearm.files.fields import STRICT, NonNegative
 from drakearm.files.kinds import Kind
+from drakearm.model.arm import Arm
 
 
 class Reward(Kind):
     """Base of all rewards: a function of signals.
 
     type: the name of the reward in scenario files. reads: names of `SIGNALS`, in the order of the arguments of
-    `__call__`. Two rewards must be equal only if they compute the same, as it is for frozen dataclasses with equal
-    fields: `ArmVectorEnv` computes all arms with equal rewards in one call.
+    `__call__`. Two rewards may be equal only if they compute the same; for frozen dataclasses this is so.
+    `ArmVectorEnv` computes all arms with equal rewards in one call.
     """
 
     reads: ClassVar[tuple[str, ...]]
@@ -26,6 +28,9 @@ class Reward(Kind):
     def __call__(self, *signals: np.ndarray) -> Any:
         """The reward (...) from arrays (..., size of the signal). For many arms they have one row per arm."""
         raise NotImplementedError
+
+    def check(self, arm: Arm) -> None:
+        """Raises TaskError if the reward does not fit the arm. By default, every reward fits every arm."""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -43,6 +48,16 @@ class RewardWeights(Reward):
     position: tuple[NonNegative, ...]  # 1/rad^2
     velocity: tuple[NonNegative, ...]  # s^2/rad^2
     acceleration: tuple[NonNegative, ...]  # s^4/rad^2
+
+    def check(self, arm: Arm) -> None:
+        """Raises TaskError unless there is one weight of each sort per coordinate."""
+        for name in ("position", "velocity", "acceleration"):
+            count = len(getattr(self, name))
+            if count != len(arm.coordinates):
+                raise TaskError(
+                    f"The reward's {name} has {count} weights: expected {len(arm.coordinates)}, for "
+                    f"{', '.join(arm.coordinates)}."
+                )
 
     @cached_property
     def _weights(self) -> np.ndarray:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+from drakearm.errors import TaskError
 from drakearm.model.arm import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
@@ -16,7 +17,10 @@ LOOKAHEAD = (0, 3, 8)  # control steps
 
 @dataclass(frozen=True)
 class TrackingTask:
-    """The reference that an arm follows, what its controller senses, how it is rewarded, and how an episode starts."""
+    """The reference that an arm follows, what its controller senses, how it is rewarded, and how an episode starts.
+
+    Raises TaskError if the reference or the reward does not fit the arm.
+    """
 
     arm: Arm
     reference: Reference
@@ -33,4 +37,14 @@ class TrackingTask:
         return Observation(self.arm, self.senses, self.lookahead)
 
     def __post_init__(self) -> None:
+        problem = self.reference.problem()
+        if problem:
+            raise TaskError(f"The arm {self.arm.name} cannot follow the reference: {problem}.")
+        joints, coordinates = self.reference.q.shape[1], self.arm.coordinates
+        if joints != len(coordinates):
+            raise TaskError(
+                f"The reference has {joints} joints: expected {len(coordinates)}, the {', '.join(coordinates)} of the "
+                f"arm {self.arm.name}."
+            )
         check_signals(f"The reward {type(self.reward).__name__}", self.reward.reads)
+        self.reward.check(self.arm)

@@ -7,7 +7,7 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
-from drakearm.errors import PolicyFileError
+from drakearm.errors import PolicyFileError, StorageError
 from drakearm.learning.policy import Actor, Critic, Policy
 
 METADATA = {"scenario": "timing", "observation": "spindles", "seed": 3, "versions": {"torch": "2"}}
@@ -138,17 +138,8 @@ def test_load_refuses_foreign_safetensors(tmp_path, header):
         Policy.load(path)
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"version": 99}, "version 99"),
-        ({"actor_layers": [16, 17]}, "does not fit its weights"),
-        ({"low": 0}, "does not fit its weights"),
-        ({"critic_layers": "wide"}, "does not fit its weights"),
-    ],
-)
-def test_load_refuses_a_header_that_does_not_fit(policy, tmp_path, change, sentence):
-    path = tmp_path / "policy.safetensors"
+def write_policy(policy, path, changes, weights=None):
+    """Writes a policy with other fields or weights. A field that is None is left out."""
     policy.save(path)
     fields = {
         "format": "drakearm-policy",
@@ -160,7 +151,117 @@ def test_load_refuses_a_header_that_does_not_fit(policy, tmp_path, change, sente
         "high": [1, 1, 1],
         "metadata": {},
     }
-    header = {key: json.dumps(value) for key, value in (fields | change).items()}
-    save_file(load_file(path), path, header)
-    with pytest.raises(PolicyFileError, match=sentence):
+    header = {key: json.dumps(value) for key, value in (fields | changes).items() if value is not None}
+    save_file({**load_file(path), **(weights or {})}, path, header)
+
+
+def refusal(path) -> str:
+    with pytest.raises(PolicyFileError) as error:
         Policy.load(path)
+    message = str(error.value)
+    assert str(path) in message and len(message) <= 300 and message.isprintable()
+    return message
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"version": 99}, "version 99"),
+        ({"version": True}, "version true"),
+        ({"version": None}, "version None"),
+        ({"actor_layers": [16, 17]}, "does not fit its weights"),
+        ({"actor_layers": [16, 16, 1]}, "does not fit its weights"),
+        ({"low": 0}, "does not fit its weights: low: found 0, expected a list"),
+        ({"critic_layers": "wide"}, "does not fit its weights"),
+        ({"actor_layers": [True, 16]}, "actor_layers.0: found True, expected a number"),
+        ({"actor_layers": [[16], 16]}, "actor_layers.0: found [16], expected a whole number"),
+        ({"actor_layers": [0]}, "actor_layers.0: found 0, expected a number greater than 0"),
+        ({"actor_layers": [10**9, 10**9]}, "expected a number less than or equal to 1024"),
+        ({"critic_layers": [1] * 1000}, "critic_layers: found [1, 1, 1"),
+        ({"n_observations": 10**12}, "n_observations: found 1000000000000"),
+        ({"n_observations": 10**6}, "the header does not fit its weights: found 480 numbers, expected"),
+        ({"n_observations": -5}, "n_observations: found -5"),
+        ({"low": [0, 0, float("nan")]}, "found NaN, expected a finite number"),
+        ({"high": [1, 1]}, "found 3 lower and 2 upper bounds"),
+        ({"low": [2, 0, 0]}, "found the bounds 2 and 1, expected the lower one first"),
+        ({"low": ["0", 0, 0]}, "low.0: found '0', expected a number"),
+        ({"metadata": [1]}, "metadata: found [1], expected fields with values"),
+        ({"metadata": None}, "metadata: is missing, but required"),
+        ({"metadata": {"seed": float("inf")}}, "found Infinity, expected a finite number"),
+        ({"other": 1}, "other: there is no such field"),
+    ],
+)
+def test_load_refuses_a_header_that_does_not_fit(policy, tmp_path, change, sentence):
+    path = tmp_path / "policy.safetensors"
+    write_policy(policy, path, change)
+    assert sentence in refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("weights", "sentence"),
+    [
+        (
+            {"actor.log_std": torch.full((3,), torch.nan)},
+            "actor.log_std: found a number that is too large or not finite",
+        ),
+        ({"actor.log_std": torch.full((3,), 90.0)}, "actor.log_std: found a number that is too large"),
+        ({"actor.mean.0.weight": torch.full((16, 5), torch.inf)}, "actor.mean.0.weight: found a number that is too"),
+        ({"critic.value.0.bias": torch.zeros(8, dtype=torch.float64)}, "found numbers of torch.float64, expected"),
+        ({"actor.mean.0.weight": torch.zeros(5, 16)}, "found the shape (5, 16), expected (16, 5)"),
+        ({"other": torch.zeros(3)}, "found 483 numbers, expected 480"),
+        ({"other": torch.zeros(0)}, "other: found a tensor that the policy does not have"),
+    ],
+)
+def test_load_refuses_unsuitable_weights(policy, tmp_path, weights, sentence):
+    path = tmp_path / "policy.safetensors"
+    write_policy(policy, path, {}, weights)
+    assert sentence in refusal(path)
+
+
+def test_load_refuses_a_renamed_tensor(policy, tmp_path):
+    path = tmp_path / "policy.safetensors"
+    policy.save(path)
+    data = path.read_bytes()
+    path.write_bytes(data.replace(b"actor.log_std", b"actor.log_xyz"))
+    assert "actor.log_std: is missing" in refusal(path)
+
+
+@pytest.mark.parametrize("length", [0, 1, 10**7, 2**63, 2**64 - 1])
+def test_load_refuses_a_header_of_another_length(policy, tmp_path, length):
+    path = tmp_path / "policy.safetensors"
+    policy.save(path)
+    path.write_bytes(length.to_bytes(8, "little") + path.read_bytes()[8:])
+    assert "damaged or not a policy file" in refusal(path)
+
+
+def test_load_refuses_a_deep_header(policy, tmp_path):
+    path = tmp_path / "policy.safetensors"
+    policy.save(path)
+    weights = load_file(path)
+    save_file(weights, path, {"format": '"drakearm-policy"', "version": "1", "metadata": "[" * 10_000})
+    assert "at most 50 lists and mappings inside each other" in refusal(path)
+
+
+def test_a_policy_for_another_task_is_refused(task, policy):
+    def bounded(low, high):
+        return Policy(Actor(task.observation.size, 14, (4,)), Critic(task.observation.size, (4,)), low, high, {})
+
+    bounded(np.zeros(14), np.ones(14)).check(task)
+    with pytest.raises(PolicyFileError, match="observations of length 5, but the task needs 58"):
+        policy.check(task)
+    with pytest.raises(PolicyFileError, match="from -1 to 1: expected excitations, which are from 0 to 1"):
+        bounded(np.full(14, -1.0), np.ones(14)).check(task)
+    with pytest.raises(PolicyFileError, match="actions are from 0 to inf"):
+        bounded(np.zeros(14), np.full(14, np.inf)).check(task)
+    other = Policy(Actor(task.observation.size, 3, (4,)), Critic(task.observation.size), [0] * 3, [1] * 3, {})
+    with pytest.raises(PolicyFileError, match="actions of length 3, but the task needs 14"):
+        other.check(task)
+
+
+def test_a_failed_save_keeps_the_earlier_policy(policy, tmp_path):
+    path = tmp_path / "policy.safetensors"
+    policy.save(path)
+    before = path.read_bytes()
+    with pytest.raises(StorageError, match="cannot be written"):
+        policy.save(path / "below")
+    assert path.read_bytes() == before
