@@ -24,7 +24,7 @@ _STEEPEST = np.arccos(0.1)  # pennation at the minimum fiber length, as in OpenS
 _SHORTEST = 1e-3  # times optimal fiber length: least length of an unpennated fiber, which would have no direction at 0
 _LEAST_STRETCH = 1e-4  # optimal fiber lengths, of a compliant tendon at max_isometric_force
 _CLOSEST_KNOTS = 1e-6  # rad
-_LARGEST_MOMENT_ARM = 10.0  # m
+_LARGEST_MOMENT_ARM = 100.0  # m, as bounded by the coefficients of the spline, which can be far above the true one
 _HIGHEST_DEGREE = 12  # of a path's spline: higher polynomials are not computed accurately
 
 
@@ -97,7 +97,7 @@ class PathTerm:
             raise ValueError(f"expected knots that are given at most {degree} times, or {degree + 1} times at an end")
         steepest = np.abs(degree * np.diff(coefficients) / spans).max()
         if steepest > _LARGEST_MOMENT_ARM:
-            raise ValueError(f"found a moment arm of {steepest:.3g} m, expected at most {_LARGEST_MOMENT_ARM:g} m")
+            raise ValueError(f"found moment arms of up to {steepest:.3g} m, expected at most {_LARGEST_MOMENT_ARM:g} m")
         return coefficients
 
     @property
