@@ -15,7 +15,7 @@ from torch import Tensor, nn
 
 from drakearm.errors import PolicyFileError, shown
 from drakearm.files import replacement
-from drakearm.learning.policy_file import FORMAT, FORMAT_VERSION, read_policy, tensor_problem
+from drakearm.learning.policy_file import FORMAT, FORMAT_VERSION, read_policy, sorted_header, tensor_problem
 from drakearm.task import TrackingTask
 
 
@@ -195,7 +195,7 @@ class Policy(nn.Module):
         }
         data = safetensors.torch.save(self.state_dict(), {key: json.dumps(value) for key, value in header.items()})
         with replacement(Path(path)) as partial:
-            partial.write_bytes(data)
+            partial.write_bytes(sorted_header(data))
 
     @classmethod
     def load(cls, path: Path | str) -> "Policy":

@@ -127,3 +127,14 @@ def tensor_problem(name: str, found: Tensor | None, expected: Tensor | None) -> 
     if not bool(torch.all(found.abs() <= largest)):  # this is false for NaN too
         return f"found a number that is too large or not finite, expected at most {largest:g}"
     return None
+
+
+def sorted_header(data: bytes) -> bytes:
+    """The content of a safetensors file with its header in alphabetical order.
+
+    safetensors writes the texts of the header in a random order. So equal policies would have different files.
+    """
+    size = int.from_bytes(data[:8], "little")
+    text = json.dumps(json.loads(data[8 : 8 + size]), sort_keys=True, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 8)  # the weights begin at a multiple of 8 bytes
+    return len(text).to_bytes(8, "little") + text + data[8 + size :]

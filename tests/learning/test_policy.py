@@ -98,6 +98,14 @@ def test_a_loaded_policy_acts_like_the_saved_one(policy, observations, tmp_path)
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
 
+def test_equal_policies_have_equal_files(policy, tmp_path):
+    files = [tmp_path / f"{number}.safetensors" for number in range(5)]
+    for file in files:
+        policy.save(file)
+    assert len({file.read_bytes() for file in files}) == 1
+    assert set(load_file(files[0])) == set(policy.state_dict())
+
+
 def test_infinite_bounds_survive_the_file(policy, tmp_path):
     policy.low[:], policy.high[:] = -np.inf, np.inf
     policy.save(tmp_path / "policy")
