@@ -125,15 +125,15 @@ def _reference(folder: Path) -> Reference:
 def targets() -> dict[str, Target]:
     """All types of files, by name."""
     found = [
-        Target("scenario", "scenario.yaml", use_scenario, 0.24),
+        Target("scenario", "scenario.yaml", use_scenario, 0.25),
         Target("muscles", "arm/muscles.yaml", use_arm, 0.2),
         Target("skeleton", "arm/skeleton.urdf", use_arm, 0.12),
         Target("reference", "run/reference.npz", use_reference, 0.12),
-        Target("recording", "run/recording.npz", use_recording, 0.06),
-        Target("policy", "run/policy.safetensors", use_policy, 0.12),
+        Target("recording", "run/recording.npz", use_recording, 0.07),
+        Target("policy", "run/policy.safetensors", use_policy, 0.13),
         Target("plan", "run/plan.json", use_json("plan.json"), 0.02),
         Target("training", "run/training.json", use_json("training.json"), 0.02),
         Target("metrics", "run/metrics.json", use_json("metrics.json"), 0.02),
-        Target("run", "run", use_run, 0.08),
+        Target("run", "run", use_run, 0.05),
     ]
     return {target.name: target for target in found}
