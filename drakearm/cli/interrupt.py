@@ -9,10 +9,10 @@ from types import FrameType
 
 @contextmanager
 def delayed_interrupt(until: str) -> Iterator[Callable[[], None]]:
-    """Delays a KeyboardInterrupt until the function is called that this yields. until: for the message, when that is.
+    """Yields a function. After Ctrl-C, the next call of this function raises KeyboardInterrupt.
 
-    So what is written before each call is complete. A second Ctrl-C interrupts at once. Processes that are forked
-    meanwhile ignore Ctrl-C: their parent ends them.
+    So what is written between two calls is complete. A second Ctrl-C interrupts at once. Processes that are forked
+    inside the `with` block ignore Ctrl-C: their parent ends them. until: for the message, when the next call will be.
     """
     process, pressed = os.getpid(), False
 

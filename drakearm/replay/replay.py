@@ -15,7 +15,7 @@ from drakearm.replay.scene import ReplayScene
 
 PLAYBACK_SPEED = 0.25  # movements last less than a second
 _PAUSE = 0.15  # s of movement time, between the end of one repetition and the start of the next
-_REPETITIONS = 1_000_000  # in practice without end
+_REPETITIONS = 1_000_000  # in practice it repeats indefinitely
 
 
 def write_replay(
