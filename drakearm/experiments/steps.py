@@ -8,13 +8,16 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
+from drakearm.errors import TrainingError, shown
 from drakearm.experiments.choices import EnvKind, Preset
 from drakearm.experiments.environments import make_training_envs
 from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics, versions
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import Scenario, load_scenario
 from drakearm.figures import write_plan_picture
-from drakearm.learning import BatchReport, Policy, imitate, train
+from drakearm.learning import BatchReport, Policy, PpoSettings, imitate, train
 from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
@@ -76,7 +79,7 @@ def train_step(
     """
     with run.locked(), run.scratch() as work:
         scenario = run.scenario()
-        settings = scenario.training if batches is None else replace(scenario.training, batches=batches)
+        settings = _with_batches(scenario.training, batches)
         task = _task(run, scenario)
         arm = arm_folder(scenario.arm)
         rounds = settings.imitation_rounds
@@ -154,6 +157,16 @@ def replay_step(run: RunFolder) -> Path:
             with new.path("replay").open("a", encoding="utf-8") as page:
                 page.write(f"\n<!-- made from {json.dumps(new.made_from())} -->\n")
         return run.path("replay")
+
+
+def _with_batches(settings: PpoSettings, batches: int | None) -> PpoSettings:
+    """The settings with another number of batches, if one is given. Raises TrainingError if it is impossible."""
+    try:
+        return settings if batches is None else replace(settings, batches=batches)
+    except ValidationError as error:
+        raise TrainingError(
+            f"The training cannot have {shown(batches)} batches: {error.errors()[0]['msg']}."
+        ) from error
 
 
 def _task(run: RunFolder, scenario: Scenario) -> TrackingTask:

@@ -22,7 +22,7 @@ from gymnasium.vector import VectorEnv
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
-from drakearm.errors import TrainingError
+from drakearm.errors import TrainingError, shown
 from drakearm.files.fields import STRICT, Finite, Fraction, Positive, Whole
 from drakearm.files.writing import storage
 from drakearm.learning.backprop import separate_weights
@@ -39,7 +39,7 @@ _Std = Annotated[Positive, Field(ge=1e-6, le=1e6)]
 class PpoSettings:
     """How to train. The defaults start from imitation. `PAPER`, as in the paper, starts from random weights."""
 
-    batches: Annotated[Whole, Field(gt=0, le=100_000)] = 60  # rounds of collecting and updating
+    batches: Annotated[Whole, Field(gt=0, le=1_000_000)] = 60  # rounds of collecting and updating
     environments: Annotated[Whole, Field(gt=0, le=4096)] = 64  # arms: the vector environment must hold as many
     steps: Annotated[Whole, Field(gt=0, le=100_000)] = 75  # control steps per environment and batch
     epochs: Annotated[Whole, Field(gt=0, le=100)] = 5  # passes over a batch
@@ -54,7 +54,7 @@ class PpoSettings:
     value_weight: Positive = 0.5  # factor of the critic's loss
     initial_std: _Std = 0.05  # standard deviation of the actions, in their unit
     final_std: _Std | None = 0.01  # at the end, reached geometrically; None: it is learned
-    imitation_rounds: Annotated[Whole, Field(ge=0, le=100)] = 4  # of imitating static optimization before PPO
+    imitation_rounds: Annotated[Whole, Field(ge=0, le=1_000_000)] = 4  # of imitating static optimization before PPO
     initial_action: Finite = 0.15  # mean of the actions before training, in their unit
     actor_layers: Layers = (64,) * 5  # widths of the hidden layers, tanh
     critic_layers: Layers = (64,) * 3  # widths of the hidden layers, PReLU
@@ -136,10 +136,12 @@ def train(
     one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after every batch.
     on_batch: called after every batch with its report; log and checkpoint are written before.
 
-    Raises TrainingError if PPO cannot use the environments or settings, or when an observation, a reward or a gradient
-    is not finite.
+    Raises TrainingError if PPO cannot use the environments, settings or seed, or when an observation, a reward or a
+    gradient is not finite.
     """
     observation_space, action_space = _suitable_spaces(envs, settings)
+    if not 0 <= seed < 2**32:
+        raise TrainingError(f"The seed is {shown(seed)}: expected a whole number from 0 to 2**32 - 1.")
     generator = torch.Generator().manual_seed(seed)
     policy = _initial_policy(observation_space, action_space, settings, metadata, generator)
     if prepare:

@@ -93,17 +93,15 @@ def _require_xml(file: Path) -> None:
 
 
 def _require_names(plant: MultibodyPlant, arm: Arm, model: ModelInstanceIndex) -> None:
-    """The skeleton must have every frame and body that the arm names."""
+    """The skeleton must have every frame and body that the arm names, except for its outline (see `read_points`)."""
     file = shown(arm.skeleton)
     for frame in (arm.load_frame, arm.tip_frame):
         if not plant.HasFrameNamed(frame, model):
             raise ArmError(f"{file}: there is no frame {frame}, which the arm {arm.name} names.")
-    users = [(f"where {muscle.name} is attached", muscle.points) for muscle in arm.muscles]
-    users += [(f"where {capsule.name} of the outline ends", capsule.ends) for capsule in arm.outline]
-    for use, points in users:
-        for body, _ in points:
+    for muscle in arm.muscles:
+        for body, _ in muscle.points:
             if not plant.HasBodyNamed(body, model):
-                raise ArmError(f"{file}: there is no body {body}, {use}.")
+                raise ArmError(f"{file}: there is no body {body}, where {muscle.name} is attached.")
     if plant.HasBodyNamed(LOAD, model):
         raise ArmError(f"{file} has a body {LOAD}: expected another name, because loads in the hand have it.")
 

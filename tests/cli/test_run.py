@@ -149,8 +149,8 @@ def test_nothing_is_overwritten_silently(finished, tiny):
     assert numbers(out) == before
 
 
-def test_overwrite_replaces(finished, tiny):
-    out, _ = finished
+def test_overwrite_replaces(finished, tiny, tmp_path):
+    out = shutil.copytree(finished[0], tmp_path / "run")
     before = numbers(out)
     drakearm("evaluate", tiny, "--out", out, "--overwrite")
     assert numbers(out) == before

@@ -311,3 +311,9 @@ def test_the_learning_rate_holds_the_divergence():
         train(vectorize(Tracker), settings, seed=0, metadata={}, on_batch=reports.append)
         late = np.median([report.approx_kl for report in reports[30:]])
         assert 0.003 < late < 0.03
+
+
+@pytest.mark.parametrize("seed", [-1, 2**32, 2**70])
+def test_an_impossible_seed_is_refused(seed):
+    with pytest.raises(TrainingError, match="expected a whole number from 0"):
+        train(vectorize(Counter), SMALL, seed=seed, metadata={})

@@ -165,7 +165,7 @@ def one_sentence(path, error):
         ("coordinates", "elbow", "coordinates: found 'elbow', expected"),
         ("gravity", [0, True, 0], "gravity.1: found True, expected a number"),
         ("gravity", [0, "9.81", 0], "gravity.1: found '9.81', expected a number"),
-        ("outline", [{"name": "hand", "radius": -1, "ends": []}], "outline.hand.radius: found -1, expected greater"),
+        ("outline", [{"name": "hand", "radius": -1, "ends": []}], "outline.hand.radius: found -1, expected a number"),
         ("defaults", [1], "defaults: found [1], expected"),
         ("colour", "red", "colour: there is no such field"),
     ],

@@ -100,11 +100,9 @@ def test_wrong_skeleton_is_refused_with_the_reason(add, name):
     assert re.search(expected, refusal(add, content))
 
 
-def test_bodies_of_muscles_and_of_the_outline_must_exist(add):
+def test_bodies_of_muscles_must_exist(add):
     muscle = replace(ARM.muscles[0], points=(("fin", (0.0, 0.0, 0.0)),))
     assert "no body fin, where TRIlong is attached" in refusal(add, URDF, ".urdf", replace(ARM, muscles=(muscle,)))
-    capsule = replace(ARM.outline[0], ends=(("fin", (0.0, 0.0, 0.0)), ("hand", (0.0, 0.0, 0.0))))
-    assert "no body fin, where forearm of the outline" in refusal(add, URDF, ".urdf", replace(ARM, outline=(capsule,)))
 
 
 def test_coordinates_are_in_the_order_of_the_chain(add):
