@@ -31,21 +31,23 @@ def run(
 ) -> None:
     """Plan, train, evaluate and replay a scenario, and print a table of the results.
 
-    If the run's folder already holds a plan of the same scenario, it is used, and only the other steps are done.
+    If the run's folder already holds a plan of the same scenario, it is used, and only the other steps are done. A
+    training that was stopped there is continued.
     """
     import_own_code(imports)
     from drakearm.experiments import evaluate_step, plan_step, replay_step
 
     with run_folder(scenario, out) as folder:
         if not overwrite and folder.holds_plan_of(scenario, preset):
-            folder.claim("train", overwrite)
+            stopped = folder.path("training").exists() and not folder.path("replay").exists()
+            folder.claim("train", overwrite=stopped)
             say(f"continuing with the plan in {folder.folder}")
         else:
             folder.claim("plan", overwrite)
             report = plan_step(folder, scenario, preset=preset)
             say(f"planned with {report.plan.solver} in {report.plan.seconds:.2f} s: {report.plan.status}")
             say(report.feasibility.verdict)
-        train_run(folder, seed, batches, env)
+        train_run(folder, seed, batches, env, resume=not overwrite)
         metrics = evaluate_step(folder)
         replay = replay_step(folder)
         show_metrics(folder, metrics)

@@ -1,6 +1,6 @@
 """`drakearm train`."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -26,6 +26,9 @@ def train(
     batches: Batches = None,
     env: Env = EnvKind.compiled,
     overwrite: Overwrite = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue a training that was stopped; begin, if there is none.")
+    ] = False,
     imports: Import = None,
 ) -> None:
     """Learn muscle excitations that follow the plan.
@@ -34,18 +37,32 @@ def train(
     learned), training.csv (one row per batch) and training.json (seed, settings, how far it came).
 
     Press Ctrl-C to stop after the current batch: the policy so far is kept, and `drakearm evaluate` measures it.
+    `--resume` continues a training that was stopped, by Ctrl-C or in any other way. It ends with the same policy, bit
+    for bit, as if it had not been stopped.
     """
     import_own_code(imports)
+    if resume and overwrite:
+        raise typer.BadParameter("found --resume and --overwrite, expected one of them.")
     with planned_run_folder(scenario, out) as run:
-        outdated = run.claim("train", overwrite)
-        train_run(run, seed, batches, env)
-        say_removed(outdated)
+        outdated = run.claim("train", overwrite or resume)
+        train_run(run, seed, batches, env, resume)
+        say_removed([file for file in outdated if not file.exists()])
 
 
-def train_run(run: "RunFolder", seed: int, batches: int | None, env: EnvKind) -> None:
-    """Trains in a run's folder and shows the progress. Exits with code 130 if Ctrl-C is pressed."""
+def train_run(run: "RunFolder", seed: int, batches: int | None, env: EnvKind, resume: bool = False) -> None:
+    """Trains in a run's folder and shows the progress. Exits with code 130 if Ctrl-C is pressed.
+
+    resume: whether to continue an earlier training, if there is one.
+    """
     from drakearm.experiments import train_step
 
+    if resume and run.path("training").exists():
+        training = run.read_json("training", "train")
+        say(
+            f"continuing the training after {training['steps']} steps"
+            if not training["finished"]
+            else "the training is finished already"
+        )
     last: BatchReport | None = None
     try:
         with delayed_interrupt("after this batch") as interrupt_now, show_progress("training") as show:
@@ -66,7 +83,9 @@ def train_run(run: "RunFolder", seed: int, batches: int | None, env: EnvKind) ->
                 )
                 interrupt_now()
 
-            train_step(run, seed=seed, batches=batches, env=env, on_round=show_round, on_batch=show_batch)
+            train_step(
+                run, seed=seed, batches=batches, env=env, resume=resume, on_round=show_round, on_batch=show_batch
+            )
     except KeyboardInterrupt:
         if last is None:
             say("interrupted before the first batch was done: no policy was written")

@@ -61,6 +61,7 @@ class RunFolder:
         "metrics": "metrics.json",
         "replay": "replay.html",
     }
+    CHECKPOINT = "checkpoint.safetensors"  # only of a training that is not finished: what it needs to go on
     ARM = "arm"  # a copy of the arm's folder, if it is not a shipped one
 
     def __init__(self, folder: Path):
@@ -123,6 +124,8 @@ class RunFolder:
         arm: the folder of the arm that the step used. If the block raises an exception, the folder stays as it was.
         """
         removed = [self.FILES[name] for name in _names_after(step)]
+        if step in ("plan", "train"):
+            removed.append(self.CHECKPOINT)
         if step == "plan":
             removed.append(self.ARM)
         with self.locked(), replaced_together(self.folder, removed) as staged:
@@ -137,6 +140,16 @@ class RunFolder:
         step = _maker(name)
         self._check(name, step, command)
         return self.path(name)
+
+    def checkpoint(self) -> Path | None:
+        """The checkpoint of a training that is not finished, if there is one. Raises RunFolderError as `existing`."""
+        file = self.folder / self.CHECKPOINT
+        if not file.is_file():
+            return None
+        record = Provenance.read(self.read_json("training", "train"))
+        if record is None or record.files.get(file.name) != fingerprint(file):
+            raise RunFolderError(f"{shown(file)} is not the file that `drakearm train` wrote.")
+        return file
 
     def read_json(self, name: str, command: str) -> dict[str, Any]:
         """The content of a JSON file. Raises RunFolderError as `existing` does, and if it is damaged."""
@@ -204,7 +217,7 @@ class NewFiles:
 
     def path(self, name: str) -> Path:
         """Where to write a file."""
-        return self._staged / RunFolder.FILES[name]
+        return self._staged / (RunFolder.CHECKPOINT if name == "checkpoint" else RunFolder.FILES[name])
 
     def keep_scenario(self, scenario: str | Path, preset: Preset | None = None) -> None:
         """Copies the scenario's file, and its arm if it is not a shipped one. preset: replaces the one in the file."""
@@ -234,7 +247,8 @@ class NewFiles:
     def write_record(self, content: Mapping[str, Any]) -> None:
         """Writes the JSON file of the step, with what its files were made from. It comes after all other files."""
         record = STEPS[self._step].record
-        files = {RunFolder.FILES[n]: fingerprint(self.path(n)) for n in STEPS[self._step].files if n != record}
+        files = {file.name: fingerprint(file) for file in [self._staged / RunFolder.CHECKPOINT] if file.exists()}
+        files |= {RunFolder.FILES[n]: fingerprint(self.path(n)) for n in STEPS[self._step].files if n != record}
         files[RunFolder.FILES[record]] = content_fingerprint(content)
         provenance = asdict(Provenance(made_from=self.made_from(), files=files))
         text = json.dumps({**content, KEY: provenance}, indent=2, allow_nan=False)

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from drakearm.errors import TrainingError, shown
+from drakearm.errors import RunFolderError, TrainingError, shown
 from drakearm.experiments.choices import EnvKind, Preset
 from drakearm.experiments.environments import make_training_envs
 from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics, versions
@@ -67,15 +67,18 @@ def train_step(
     seed: int,
     batches: int | None = None,
     env: EnvKind = EnvKind.compiled,
+    resume: bool = False,
     on_round: Callable[[int, int], None] | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
     """Trains a policy whose excitations make the muscles follow the run's reference.
 
-    batches: replaces the number in the scenario. on_round: called after each round of imitation with its number, from
-    1, and the number of rounds. on_batch: called after each batch, when the current policy and training.json are
-    already in the run folder. So a training that is interrupted can be evaluated too. Until the first batch is done,
-    the files of an earlier training stay.
+    batches: replaces the number in the scenario. resume: whether to continue a training that was stopped, which then
+    ends with the same policy as if it had not been. If there is none, the training begins; if it is finished, its
+    policy is returned. Raises RunFolderError if it had another seed, other settings or environments. on_round: called
+    after each round of imitation with its number, from 1, and the number of rounds. on_batch: called after each batch,
+    when the current policy and training.json are already in the run folder. So a training that is interrupted can be
+    evaluated too. Until the first batch is done, the files of an earlier training stay.
     """
     with run.locked(), run.scratch() as work:
         scenario = run.scenario()
@@ -83,7 +86,15 @@ def train_step(
         task = _task(run, scenario)
         arm = arm_folder(scenario.arm)
         rounds = settings.imitation_rounds
-        start = time.perf_counter()
+        setup = {"seed": seed, "env": env.value, "settings": asdict(settings)}
+        earlier = _earlier_training(run, setup) if resume else None
+        if earlier and earlier["finished"]:
+            return Policy.load(run.existing("policy", "train"))
+        checkpoint = run.checkpoint() if earlier else None
+        if checkpoint:
+            shutil.copy(checkpoint, work)
+            shutil.copy(run.path("training_log"), work)
+        start = time.perf_counter() - (earlier["seconds"] if earlier else 0.0)
 
         def prepare(actor: Actor) -> None:
             imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
@@ -92,11 +103,12 @@ def train_step(
             """Puts the policy, the log and the progress of the training into the run folder, all together."""
             progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
             finished = report.batch == report.batches
-            setup = {"seed": seed, "env": env.value, "finished": finished, "settings": asdict(settings)}
             with run.replacing("train", arm) as new:
                 for name in ("policy", "training_log"):
                     shutil.copyfile(work / run.FILES[name], new.path(name))
-                new.write_record(setup | progress)
+                if not finished:
+                    shutil.copyfile(work / run.CHECKPOINT, new.path("checkpoint"))
+                new.write_record(setup | {"finished": finished} | progress)
             if on_batch:
                 on_batch(report)
 
@@ -110,6 +122,7 @@ def train_step(
                 prepare=prepare if rounds else None,
                 log_path=work / run.FILES["training_log"],
                 checkpoint_path=work / run.FILES["policy"],
+                resume_path=work / run.CHECKPOINT,
                 on_batch=keep,
             )
         finally:
@@ -167,6 +180,21 @@ def _with_batches(settings: PpoSettings, batches: int | None) -> PpoSettings:
         raise TrainingError(
             f"The training cannot have {shown(batches)} batches: {error.errors()[0]['msg']}."
         ) from error
+
+
+def _earlier_training(run: RunFolder, setup: dict[str, Any]) -> dict[str, Any] | None:
+    """training.json of the training in a run folder, if there is one. Raises RunFolderError if it had another setup."""
+    if not run.path("training").exists():
+        return None
+    run.existing("policy", "train")
+    training = run.read_json("training", "train")
+    for name, value in json.loads(json.dumps(setup)).items():
+        if training[name] != value:
+            raise RunFolderError(
+                f"{shown(run.folder)} holds a training with another {name}, so it cannot be continued: "
+                "expected the same, or --overwrite."
+            )
+    return training
 
 
 def _task(run: RunFolder, scenario: Scenario) -> TrackingTask:

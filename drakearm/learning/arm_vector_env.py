@@ -11,6 +11,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
+from drakearm.learning.checkpoint import generator_state, restored_generator
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.model import MakeTorqueArm
 from drakearm.model.dynamics_table import read_dynamics
@@ -115,6 +116,26 @@ class ArmVectorEnv(VectorEnv):
             self._restart(truncated)
             observation = self._observe()
         return observation, reward, np.zeros_like(truncated), truncated, info
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """All that the next steps depend on, by name. To set it continues all episodes where they were."""
+        return {
+            "arm_state": self._arm_state,
+            "muscle_state": self._muscle_state,
+            "acceleration": self._acceleration,
+            "excitation": self._excitation,
+            "row": self._row,
+            "generators": np.array([generator_state(generator) for generator in self._generators]),
+        }
+
+    @state.setter
+    def state(self, arrays: dict[str, np.ndarray]) -> None:
+        self._arms.set_state(np.ones(self.num_envs, bool), arrays["arm_state"], arrays["muscle_state"])
+        self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
+        self._acceleration, self._excitation = arrays["acceleration"].copy(), arrays["excitation"].copy()
+        self._row = arrays["row"].copy()
+        self._generators = [restored_generator(state) for state in arrays["generators"]]
 
     @property
     def reference_step(self) -> np.ndarray:

@@ -5,11 +5,12 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from pydrake.systems.analysis import SimulatorStatus
+from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 from pydrake.systems.framework import Context, Diagram
 
 from drakearm.diagrams import MakeSimulator
 from drakearm.errors import ActionError
+from drakearm.learning.checkpoint import generator_state, restored_generator
 
 Reset = Callable[[Context, np.random.Generator], object]
 
@@ -82,6 +83,33 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         observation, info = self._observe()
         reward = float(self._reward.Eval(self._context)[0])
         return observation, reward, terminated, self._steps >= self._episode_steps, info
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """All that the next steps depend on, by name. To set it continues the episode where it was."""
+        context = self._context
+        discrete = context.get_discrete_state()
+        return {
+            "continuous": context.get_continuous_state_vector().CopyToVector(),
+            "discrete": np.concatenate([[], *(discrete.value(i) for i in range(discrete.num_groups()))]),
+            "action": self._actions.Eval(context).copy(),
+            "steps": np.array(self._steps),
+            "generator": generator_state(self.np_random),
+        }
+
+    @state.setter
+    def state(self, arrays: dict[str, np.ndarray]) -> None:
+        context, values = self._context, arrays["discrete"]
+        self._steps = int(arrays["steps"].item())
+        self._diagram.SetDefaultContext(context)
+        context.SetTime(self._steps * self._control_step)
+        self._actions.FixValue(context, arrays["action"])
+        context.SetContinuousState(arrays["continuous"])
+        sizes = [context.get_discrete_state().value(i).size for i in range(context.num_discrete_state_groups())]
+        for i, part in enumerate(np.split(values, np.cumsum(sizes)[:-1]) if sizes else []):
+            context.SetDiscreteState(i, part)
+        self.np_random = restored_generator(arrays["generator"])
+        self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
 
     def _observe(self) -> tuple[np.ndarray, dict[str, Any]]:
         observation = self._observations.Eval(self._context).astype(np.float32)

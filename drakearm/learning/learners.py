@@ -8,12 +8,15 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
 from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop, flat_weights, gradient
 from drakearm.learning.policy import Actor, Critic
+
+_MOMENTS = ("step", "exp_avg", "exp_avg_sq")  # what Adam remembers
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,18 @@ class Learner:
 
     def set_learning_rate(self, learning_rate: float) -> None:
         self._optimizer.param_groups[0]["lr"] = learning_rate
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """The weights and the moments of Adam, by name. To set them continues the learning where it was."""
+        moments = self._optimizer.state[self._weights]
+        return {name: moments[name].cpu().numpy() for name in _MOMENTS} | {"weights": self._weights.data.cpu().numpy()}
+
+    @state.setter
+    def state(self, arrays: dict[str, np.ndarray]) -> None:
+        self._weights.data.copy_(torch.from_numpy(arrays["weights"]))
+        moments = {name: torch.from_numpy(arrays[name].copy()).to(self._weights.device) for name in _MOMENTS}
+        self._optimizer.state[self._weights] = moments
 
     def step(self, where: str) -> None:
         """Makes one step of Adam. Raises TrainingError, which says `where`, if the gradient is not finite."""

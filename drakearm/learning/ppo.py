@@ -5,13 +5,12 @@ clipped objective gives no gain for moving far away from the policy that collect
 gradients are in `drakearm.learning.learners`.
 """
 
-import csv
+import json
 import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, fields
-from dataclasses import dataclass as plain_dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,8 +23,9 @@ from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TrainingError, shown
 from drakearm.files.fields import STRICT, Finite, Fraction, Positive, Whole
-from drakearm.files.writing import storage
 from drakearm.learning.backprop import separate_weights
+from drakearm.learning.batch_report import BatchReport, csv_log
+from drakearm.learning.checkpoint import Checkpoint, Environments, TorchGenerator
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.policy_file import Layers
@@ -83,26 +83,6 @@ PAPER = PpoSettings(
 )
 
 
-@plain_dataclass(frozen=True)
-class BatchReport:
-    """The progress of a training after a batch: one row of the log."""
-
-    batch: int  # from 1
-    batches: int
-    steps: int  # transitions so far, over all environments
-    steps_per_second: float  # in this batch, updates included
-    seconds_left: float  # if the remaining batches take as long as those so far
-    mean_reward: float  # mean return of the episodes that ended in this batch; nan if none did
-    tracking_error: float  # mean absolute error, rad; nan if `info` has no tracking_error
-    approx_kl: float  # nats, between the policy that collected the batch and the updated one
-    clip_fraction: float  # share of transitions whose probability ratio is outside the clip range
-    explained_variance: float  # of the returns, by the critic: 1 is perfect, 0 no better than their mean
-    policy_loss: float
-    value_loss: float
-    entropy: float  # nats
-    std: float  # of the actions, mean over their elements
-
-
 @contextmanager
 def _one_thread() -> Iterator[None]:
     """Limits torch to one thread inside the `with` block.
@@ -128,34 +108,47 @@ def train(
     prepare: Callable[[Actor], None] | None = None,
     log_path: Path | None = None,
     checkpoint_path: Path | None = None,
+    resume_path: Path | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
     """Trains a policy on `envs`, which stay open. The same seed gives the same policy, bit for bit.
 
     metadata: is stored in the policy. prepare: may train the actor before PPO does, as `imitate` does. log_path: gets
     one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after every batch.
-    on_batch: called after every batch with its report; log and checkpoint are written before.
+    resume_path: gets all that the training needs to continue after every batch. If the file exists already, the
+    training continues from it, and ends with the same policy as if it had never stopped. on_batch: called after every
+    batch with its report; the files are written before.
 
-    Raises TrainingError if PPO cannot use the environments, settings or seed, or when an observation, a reward or a
-    gradient is not finite.
+    Raises TrainingError if PPO cannot use the environments, settings or seed, when an observation, a reward or a
+    gradient is not finite, and if the file to continue from is damaged or belongs to a training with another seed or
+    settings.
     """
     observation_space, action_space = _suitable_spaces(envs, settings)
     if not 0 <= seed < 2**32:
         raise TrainingError(f"The seed is {shown(seed)}: expected a whole number from 0 to 2**32 - 1.")
     generator = torch.Generator().manual_seed(seed)
     policy = _initial_policy(observation_space, action_space, settings, metadata, generator)
-    if prepare:
+    inputs = json.loads(json.dumps({"seed": seed, "settings": asdict(settings), "metadata": metadata}))
+    earlier = _earlier(resume_path, inputs)
+    if prepare and earlier is None:
         prepare(policy.actor)
     policy.to("cuda" if torch.cuda.is_available() else "cpu")
     actor = ActorLearner(policy.actor, settings.max_grad_norm, settings.clip)
     critic = CriticLearner(policy.critic, settings.max_grad_norm, settings.value_weight)
     collector = Collector(envs, settings.steps, seed)
+    parts = {"actor": actor, "critic": critic, "collector": collector, "generator": TorchGenerator(generator)}
+    if resume_path:
+        parts["environments"] = Environments(envs)
+    finished, steps, learning_rate = 0, 0, settings.learning_rate
+    if earlier is not None:
+        earlier.restore(parts)
+        finished, steps = int(earlier.progress["batch"]), int(earlier.progress["steps"])
+        learning_rate = earlier.progress["learning_rate"]
 
-    steps, learning_rate = 0, settings.learning_rate
     start = batch_start = time.perf_counter()
     with ExitStack() as stack:
-        write_row = _csv_log(log_path, stack)
-        for batch in range(1, settings.batches + 1):
+        write_row = csv_log(log_path, finished, stack)
+        for batch in range(finished + 1, settings.batches + 1):
             done = (batch - 1) / settings.batches
             critic.set_learning_rate(settings.critic_learning_rate * (1.0 - done))
             actor.set_learning_rate(learning_rate if settings.target_kl else settings.learning_rate * (1.0 - done))
@@ -176,7 +169,7 @@ def train(
                 batches=settings.batches,
                 steps=steps,
                 steps_per_second=batch_steps / (now - batch_start),
-                seconds_left=(now - start) / batch * (settings.batches - batch),
+                seconds_left=(now - start) / (batch - finished) * (settings.batches - batch),
                 mean_reward=float(np.mean(returns)) if returns else math.nan,
                 tracking_error=rollout.tracking_error,
                 entropy=policy.actor.entropy().item(),
@@ -188,6 +181,10 @@ def train(
             write_row(report)
             if checkpoint_path:
                 policy.save(checkpoint_path)
+            if resume_path:
+                checkpoint = Checkpoint(inputs, {"batch": batch, "steps": steps, "learning_rate": learning_rate})
+                checkpoint.add(parts)
+                checkpoint.save(resume_path)
             if on_batch:
                 on_batch(report)
     policy.cpu()
@@ -280,19 +277,12 @@ def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:
     return spaces[0], spaces[1]
 
 
-def _csv_log(path: Path | None, stack: ExitStack) -> Callable[[BatchReport], None]:
-    """A function that appends a report as a row to a new file; `stack` closes the file."""
-    if path is None:
-        return lambda report: None
-    with storage(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        file = stack.enter_context(path.open("w", newline=""))
-        writer = csv.DictWriter(file, [field.name for field in fields(BatchReport)])
-        writer.writeheader()
-
-    def write_row(report: BatchReport) -> None:
-        with storage(path):
-            writer.writerow(asdict(report))
-            file.flush()  # so that the rows can be read during the training and after a crash
-
-    return write_row
+def _earlier(path: Path | None, inputs: dict[str, Any]) -> Checkpoint | None:
+    """The checkpoint to continue from, if there is one. Raises TrainingError if it belongs to another training."""
+    if path is None or not path.exists():
+        return None
+    earlier = Checkpoint.load(path)
+    different = [name for name in inputs if earlier.inputs.get(name) != inputs[name]]
+    if different:
+        raise TrainingError(f"{shown(path)} is from a training with another {different[0]}: expected the same.")
+    return earlier

@@ -78,6 +78,16 @@ class Collector:
         self._resets_next = np.zeros(envs.num_envs, dtype=bool)
         self._returns = np.zeros(envs.num_envs)
 
+    @property
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Where the collecting is, by name, apart from the environments. To set it continues the collecting there."""
+        return {"observation": self._observation, "resets_next": self._resets_next, "returns": self._returns}
+
+    @state.setter
+    def state(self, arrays: dict[str, NDArray[Any]]) -> None:
+        self._observation, self._resets_next = arrays["observation"], arrays["resets_next"]
+        self._returns = arrays["returns"].copy()
+
     @torch.no_grad()
     def collect(self, actor: Actor, generator: torch.Generator, batch: int) -> Rollout:
         """The transitions of the next `steps` steps, with actions sampled from `actor`.

@@ -7,6 +7,7 @@ Every kill starts from the same finished run. One of plan, train, evaluate and r
 
 - Every file is whole: it can be read.
 - The folder is as it was before, or as the step leaves it: no mixture, and nothing lost.
+- A training that was killed is continued, and ends with the same policy as without the kill, bit for bit.
 - Going on works: the steps are done again, and give the same numbers as the run without kills.
 """
 
@@ -30,6 +31,7 @@ from rich.table import Table
 from drakearm.experiments import RunFolder, evaluate_step, plan_step, replay_step, scenario_files, train_step
 from drakearm.experiments.run_folder import STEPS
 from drakearm.learning import Policy
+from drakearm.learning.checkpoint import Checkpoint
 from drakearm.model import Recording, Reference
 
 SEED = 1
@@ -37,7 +39,7 @@ READERS = {
     ".npz": lambda file: (Reference if file.stem == "reference" else Recording).load(file),
     ".json": lambda file: json.loads(file.read_text()),
     ".yaml": lambda file: yaml.safe_load(file.read_text()),
-    ".safetensors": Policy.load,
+    ".safetensors": lambda file: (Checkpoint if file.name == RunFolder.CHECKPOINT else Policy).load(file),
     ".png": lambda file: Image.open(file).load(),
     ".csv": lambda file: file.read_text().endswith("\n") or _fail(f"{file.name} ends in the middle of a line"),
     ".html": lambda file: file.read_text().endswith("-->\n") or _fail(f"{file.name} has no end"),
@@ -94,6 +96,8 @@ class Attack:
             process = self.start(step, self.copy(), change=0)
             errors = process.communicate()[1]
             assert process.returncode == 0, errors
+            if step == "train":
+                self.replaced_policy = (folder / "attacked" / RunFolder.FILES["policy"]).read_bytes()
             self.seconds[step], self.changes[step] = time.perf_counter() - began, int(errors.split()[-1])
 
     def copy(self) -> RunFolder:
@@ -137,8 +141,13 @@ class Attack:
         kept = {n: c for n, c in self.before.items() if n not in {*STEPS[step].files, *later}}
         replaced = set(after) == set(RunFolder.FILES) - set(later) and {n: after[n] for n in kept} == kept
         assert after == self.before or replaced, f"{sorted(after)} is neither the state before nor after {step}"
-        leftovers = [file.name for file in run.folder.iterdir() if file.name not in RunFolder.FILES.values()]
+        known = {*RunFolder.FILES.values(), RunFolder.CHECKPOINT}
+        leftovers = [file.name for file in run.folder.iterdir() if file.name not in known]
         assert not leftovers, f"left behind: {leftovers}"
+        if run.checkpoint():
+            train_step(run, seed=SEED + 1, resume=True)
+            same = run.path("policy").read_bytes() == self.replaced_policy
+            assert same, "the continued training ends with another policy than the one that was not killed"
         self.go_on(run, step)
         assert self._numbers(run) == self.numbers, "going on gives other numbers than the run without kills"
 
