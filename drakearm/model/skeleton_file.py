@@ -21,6 +21,7 @@ _REASONS = {  # for texts of Drake that are hard to understand, by what they con
     r"pos_lower_limits|lower limit must be lower": "a joint's lower limit is above its upper limit",
     r"[Pp]hysically|mass > 0|invalid inertia": "no body has this mass with these moments of inertia",
 }
+_HARMLESS = r"currently unsupported and will be ignored|<transmission>"  # tags for other programs, as of robots in ROS
 _LARGEST_ANGLE = 100.0  # rad, of a joint's limits
 _LIGHTEST, _HEAVIEST = 1e-15, 1e9  # kg m^2: moments of inertia about a joint, from an ant's leg to an elephant's
 _SINGULAR = 1e-9  # least eigenvalue of the mass matrix, scaled so that its diagonal is 1
@@ -46,14 +47,25 @@ def check_skeleton(arm: Arm) -> None:
     """Raises ArmError where the skeleton is damaged, lacks what the arm names, or cannot be moved by joint torques."""
     file = arm.skeleton
     _require_xml(file)
-    plant = MultibodyPlant(time_step=0.0)
-    model = parse_skeleton(plant, arm, strict=True)
+    plant, model = _strictly_parsed(arm)
     _require_names(plant, arm, model)
     _require_joints(plant, arm, model)
     with _drakes_reason(file):
         plant.Finalize()
         _require_coordinates(plant, arm)
         _require_inertia(plant, arm)
+
+
+def _strictly_parsed(arm: Arm) -> tuple[MultibodyPlant, ModelInstanceIndex]:
+    """A plant with the skeleton. What Drake warns about is an error, except for harmless tags."""
+    for strict in (True, False):
+        plant = MultibodyPlant(time_step=0.0)
+        try:
+            return plant, parse_skeleton(plant, arm, strict)
+        except ArmError as error:
+            if not (strict and re.search(_HARMLESS, str(error))):
+                raise
+    raise AssertionError("the second attempt returns or raises")
 
 
 @contextmanager

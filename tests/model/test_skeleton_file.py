@@ -14,6 +14,7 @@ from drakearm.diagrams import AddMuscleArm, MakeSimulator
 from drakearm.errors import LONGEST_MESSAGE, ArmError
 from drakearm.model import load_arm
 from drakearm.model.skeleton import add_skeleton
+from drakearm.model.skeleton_file import check_skeleton
 
 ARM = load_arm("arm14")
 URDF = ARM.skeleton.read_text()
@@ -187,3 +188,19 @@ def test_any_damaged_file_is_accepted_or_refused_in_one_sentence(add):
             refused += 1
             one_sentence(error)
     assert 100 < refused < 300
+
+
+@pytest.mark.parametrize(
+    ("before", "added"),
+    [
+        ("<robot ", 'version="1.0" '),
+        ("</robot>", '<transmission name="t"><type>x</type></transmission>'),
+    ],
+)
+def test_tags_for_other_programs_are_no_error(tmp_path, before, added):
+    """Files of robots in ROS have them. Drake ignores them."""
+    text = URDF
+    at = text.index(before) + (len(before) if before.startswith("<robot") else 0)
+    file = tmp_path / "robot.urdf"
+    file.write_text(text[:at] + added + text[at:])
+    check_skeleton(replace(ARM, skeleton=file))
