@@ -89,16 +89,18 @@ class Attack:
         self.go_on(self.finished)
         self.before = contents(self.finished)
         self.numbers = self._numbers(self.finished)
-        self.seconds: dict[str, float] = {}
-        self.changes: dict[str, int] = {}
-        for step in STEPS:  # without a kill, to learn how long it takes and how many changes it makes
-            began = time.perf_counter()
-            process = self.start(step, self.copy(), change=0)
+        self._measured: dict[str, tuple[float, int, bytes]] = {}
+
+    def measure(self, step: str) -> tuple[float, int, bytes]:
+        """Of a step that is not killed: its seconds, its number of changes, and the policy that it leaves."""
+        if step not in self._measured:
+            run, began = self.copy(), time.perf_counter()
+            process = self.start(step, run, change=0)
             errors = process.communicate()[1]
             assert process.returncode == 0, errors
-            if step == "train":
-                self.replaced_policy = (folder / "attacked" / RunFolder.FILES["policy"]).read_bytes()
-            self.seconds[step], self.changes[step] = time.perf_counter() - began, int(errors.split()[-1])
+            policy = run.path("policy").read_bytes() if run.path("policy").exists() else b""
+            self._measured[step] = time.perf_counter() - began, int(errors.split()[-1]), policy
+        return self._measured[step]
 
     def copy(self) -> RunFolder:
         """The folder to attack: a copy of the finished run."""
@@ -117,12 +119,13 @@ class Attack:
 
     def kill(self, step: str, chance: random.Random) -> None:
         """Kills a step and checks the folder. Raises an exception if something is wrong."""
+        seconds, changes, _ = self.measure(step)
         run = self.copy()
         if chance.random() < 0.5:
-            process = self.start(step, run, chance.randint(1, self.changes[step]))
+            process = self.start(step, run, chance.randint(1, changes))
         else:
             process = self.start(step, run, 0)
-            time.sleep(chance.uniform(0.0, self.seconds[step]))
+            time.sleep(chance.uniform(0.0, seconds))
             process.kill()
         process.communicate()
         self.check(step, run)
@@ -146,7 +149,7 @@ class Attack:
         assert not leftovers, f"left behind: {leftovers}"
         if run.checkpoint():
             train_step(run, seed=SEED + 1, resume=True)
-            same = run.path("policy").read_bytes() == self.replaced_policy
+            same = run.path("policy").read_bytes() == self.measure("train")[2]
             assert same, "the continued training ends with another policy than the one that was not killed"
         self.go_on(run, step)
         assert self._numbers(run) == self.numbers, "going on gives other numbers than the run without kills"
