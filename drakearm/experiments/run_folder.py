@@ -28,16 +28,19 @@ from drakearm.model.loader import arm_folder
 
 
 class Step(NamedTuple):
-    """What a step of a run reads and writes, by the names in RunFolder.FILES."""
+    """What a step of a run reads and writes, by the names in RunFolder.FILES and RunFolder.EXTRAS."""
 
     inputs: tuple[str, ...]
     files: tuple[str, ...]
     record: str  # the one of these files that records what they were made from
+    extras: tuple[str, ...] = ()  # what it writes in some runs only
 
 
 STEPS = {  # in the order of a run
-    "plan": Step(("scenario", "arm"), ("reference", "plan", "plan_picture", "scenario"), "plan"),
-    "train": Step(("scenario", "arm", "reference"), ("policy", "training", "training_log"), "training"),
+    "plan": Step(("scenario", "arm"), ("reference", "plan", "plan_picture", "scenario"), "plan", ("arm",)),
+    "train": Step(
+        ("scenario", "arm", "reference"), ("policy", "training", "training_log"), "training", ("checkpoint",)
+    ),
     "evaluate": Step(("scenario", "arm", "reference", "policy"), ("metrics", "recording"), "metrics"),
     "replay": Step(("scenario", "arm", "recording"), ("replay",), "replay"),  # as a comment in the page
 }
@@ -61,16 +64,18 @@ class RunFolder:
         "metrics": "metrics.json",
         "replay": "replay.html",
     }
-    CHECKPOINT = "checkpoint.safetensors"  # only of a training that is not finished: what it needs to go on
-    ARM = "arm"  # a copy of the arm's folder, if it is not a shipped one
+    EXTRAS = {  # noqa: RUF012
+        "arm": "arm",  # a copy of the arm's folder, if it is not a shipped one
+        "checkpoint": "checkpoint.safetensors",  # of a training that is not finished: what it needs to go on
+    }
 
     def __init__(self, folder: Path):
         self.folder = Path(folder)
         self._locks = 0  # how often this object has locked the folder
 
     def path(self, name: str) -> Path:
-        """The path of a file, which may not exist."""
-        return self.folder / self.FILES[name]
+        """The path of a file or of an extra, which may not exist."""
+        return self.folder / _file_name(name)
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -108,7 +113,7 @@ class RunFolder:
         Raises RunFolderError if one of these files exists already, unless `overwrite` is true.
         """
         own = [self.path(name) for name in STEPS[step].files if self.path(name).exists()]
-        later = [self.path(name) for name in _names_after(step) if self.path(name).exists()]
+        later = [self.path(n) for other in _after(step) for n in STEPS[other].files if self.path(n).exists()]
         if (own or later) and not overwrite:
             raise RunFolderError(
                 f"{shown((own + later)[0])} exists already: choose another folder with --out, "
@@ -123,12 +128,8 @@ class RunFolder:
 
         arm: the folder of the arm that the step used. If the block raises an exception, the folder stays as it was.
         """
-        removed = [self.FILES[name] for name in _names_after(step)]
-        if step in ("plan", "train"):
-            removed.append(self.CHECKPOINT)
-        if step == "plan":
-            removed.append(self.ARM)
-        with self.locked(), replaced_together(self.folder, removed) as staged:
+        removed = [*STEPS[step].extras, *(n for s in _after(step) for n in (*STEPS[s].files, *STEPS[s].extras))]
+        with self.locked(), replaced_together(self.folder, map(_file_name, removed)) as staged:
             yield NewFiles(self, step, staged, arm)
 
     def existing(self, name: str, command: str) -> Path:
@@ -137,19 +138,8 @@ class RunFolder:
         Raises RunFolderError if the file is missing, is not what the step wrote, or was made from other files than
         those that are in the folder.
         """
-        step = _maker(name)
-        self._check(name, step, command)
+        self._check(name, command)
         return self.path(name)
-
-    def checkpoint(self) -> Path | None:
-        """The checkpoint of a training that is not finished, if there is one. Raises RunFolderError as `existing`."""
-        file = self.folder / self.CHECKPOINT
-        if not file.is_file():
-            return None
-        record = Provenance.read(self.read_json("training", "train"))
-        if record is None or record.files.get(file.name) != fingerprint(file):
-            raise RunFolderError(f"{shown(file)} is not the file that `drakearm train` wrote.")
-        return file
 
     def read_json(self, name: str, command: str) -> dict[str, Any]:
         """The content of a JSON file. Raises RunFolderError as `existing` does, and if it is damaged."""
@@ -172,12 +162,12 @@ class RunFolder:
             return False
         if not Path(loaded.arm).is_absolute():
             return kept == fields
-        copied = self.folder / self.ARM
+        copied = self.path("arm")
         return kept == {**fields, "arm": kept.get("arm")} and fingerprint(Path(loaded.arm)) == fingerprint(copied)
 
-    def _check(self, name: str, step: str, command: str) -> None:
+    def _check(self, name: str, command: str) -> None:
         """Raises RunFolderError if a file, or one that it was made from, is not what the record of its step says."""
-        file = self.path(name)
+        file, step = self.path(name), _maker(name)
         if not file.is_file():
             raise RunFolderError(f"{shown(file)} is missing: `drakearm {command}` makes it.")
         again = f"`drakearm {step} --overwrite` makes it again."
@@ -191,13 +181,10 @@ class RunFolder:
         if record is None or record.files.get(file.name) != found:
             raise RunFolderError(f"{shown(file)} is not the file that `drakearm {step}` wrote: {again}")
         for source in STEPS[step].inputs:
-            if record.made_from.get(self._file_name(source)) != self._fingerprint(source):
-                raise RunFolderError(f"{shown(file)} was made from another {self._file_name(source)}: {again}")
+            if record.made_from.get(_file_name(source)) != self._fingerprint(source):
+                raise RunFolderError(f"{shown(file)} was made from another {_file_name(source)}: {again}")
             if source != "arm" and _maker(source) != step:
-                self._check(source, _maker(source), _maker(source))
-
-    def _file_name(self, name: str) -> str:
-        return self.ARM if name == "arm" else self.FILES[name]
+                self._check(source, _maker(source))
 
     def _fingerprint(self, name: str) -> str:
         """The fingerprint of an input as it is now; empty if it is missing."""
@@ -217,7 +204,7 @@ class NewFiles:
 
     def path(self, name: str) -> Path:
         """Where to write a file."""
-        return self._staged / (RunFolder.CHECKPOINT if name == "checkpoint" else RunFolder.FILES[name])
+        return self._staged / _file_name(name)
 
     def keep_scenario(self, scenario: str | Path, preset: Preset | None = None) -> None:
         """Copies the scenario's file, and its arm if it is not a shipped one. preset: replaces the one in the file."""
@@ -228,42 +215,45 @@ class NewFiles:
         fields = _fields(scenario, preset)
         if arm.is_absolute():
             for file in folder_files(arm):
-                copy = self._staged / RunFolder.ARM / file.relative_to(arm)
+                copy = self.path("arm") / file.relative_to(arm)
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, copy)
-            fields["arm"] = RunFolder.ARM
+            fields["arm"] = _file_name("arm")
         self.path("scenario").write_text(yaml.safe_dump(fields, sort_keys=False), encoding="utf-8")
 
     def made_from(self) -> dict[str, str]:
         """The fingerprints of the step's inputs."""
-        copied = self._staged / RunFolder.ARM
-        prints = {RunFolder.ARM: fingerprint(copied if copied.exists() else self._arm)}
+        found = {}
         for name in STEPS[self._step].inputs:
-            if name != "arm":
-                own = self.path(name)
-                prints[RunFolder.FILES[name]] = fingerprint(own if own.exists() else self._run.path(name))
-        return prints
+            earlier = self._arm if name == "arm" else self._run.path(name)
+            found[_file_name(name)] = fingerprint(self.path(name) if self.path(name).exists() else earlier)
+        return found
 
     def write_record(self, content: Mapping[str, Any]) -> None:
         """Writes the JSON file of the step, with what its files were made from. It comes after all other files."""
-        record = STEPS[self._step].record
-        files = {file.name: fingerprint(file) for file in [self._staged / RunFolder.CHECKPOINT] if file.exists()}
-        files |= {RunFolder.FILES[n]: fingerprint(self.path(n)) for n in STEPS[self._step].files if n != record}
-        files[RunFolder.FILES[record]] = content_fingerprint(content)
+        step = STEPS[self._step]
+        others = [name for name in step.files if name != step.record]
+        others += [name for name in step.extras if self.path(name).exists()]
+        files = {_file_name(name): fingerprint(self.path(name)) for name in others}
+        files[_file_name(step.record)] = content_fingerprint(content)
         provenance = asdict(Provenance(made_from=self.made_from(), files=files))
         text = json.dumps({**content, KEY: provenance}, indent=2, allow_nan=False)
-        self.path(record).write_text(text + "\n", encoding="utf-8")
+        self.path(step.record).write_text(text + "\n", encoding="utf-8")
+
+
+def _file_name(name: str) -> str:
+    return (RunFolder.FILES | RunFolder.EXTRAS)[name]
 
 
 def _maker(name: str) -> str:
-    """The step that writes a file."""
-    return next(step for step, (_, files, _) in STEPS.items() if name in files)
+    """The step that writes a file or an extra."""
+    return next(maker for maker, step in STEPS.items() if name in (*step.files, *step.extras))
 
 
-def _names_after(step: str) -> list[str]:
-    """The files of the steps that come after a step."""
+def _after(step: str) -> list[str]:
+    """The steps that come after a step."""
     steps = list(STEPS)
-    return [name for later in steps[steps.index(step) + 1 :] for name in STEPS[later].files]
+    return steps[steps.index(step) + 1 :]
 
 
 def _fields(scenario: str | Path, preset: Preset | None = None) -> dict[str, Any]:

@@ -90,10 +90,9 @@ def train_step(
         earlier = _earlier_training(run, setup) if resume else None
         if earlier and earlier["finished"]:
             return Policy.load(run.existing("policy", "train"))
-        checkpoint = run.checkpoint() if earlier else None
-        if checkpoint:
-            shutil.copy(checkpoint, work)
-            shutil.copy(run.path("training_log"), work)
+        if earlier:
+            shutil.copy(run.existing("checkpoint", "train --overwrite"), work)
+            shutil.copy(run.existing("training_log", "train --overwrite"), work)
         start = time.perf_counter() - (earlier["seconds"] if earlier else 0.0)
 
         def prepare(actor: Actor) -> None:
@@ -104,10 +103,8 @@ def train_step(
             progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
             finished = report.batch == report.batches
             with run.replacing("train", arm) as new:
-                for name in ("policy", "training_log"):
-                    shutil.copyfile(work / run.FILES[name], new.path(name))
-                if not finished:
-                    shutil.copyfile(work / run.CHECKPOINT, new.path("checkpoint"))
+                for name in ("policy", "training_log", *(["checkpoint"] if not finished else [])):
+                    shutil.copyfile(work / new.path(name).name, new.path(name))
                 new.write_record(setup | {"finished": finished} | progress)
             if on_batch:
                 on_batch(report)
@@ -120,9 +117,9 @@ def train_step(
                 seed=seed,
                 metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
                 prepare=prepare if rounds else None,
-                log_path=work / run.FILES["training_log"],
-                checkpoint_path=work / run.FILES["policy"],
-                resume_path=work / run.CHECKPOINT,
+                log_path=work / run.path("training_log").name,
+                checkpoint_path=work / run.path("policy").name,
+                resume_path=work / run.path("checkpoint").name,
                 on_batch=keep,
             )
         finally:

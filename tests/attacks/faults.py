@@ -39,7 +39,7 @@ READERS = {
     ".npz": lambda file: (Reference if file.stem == "reference" else Recording).load(file),
     ".json": lambda file: json.loads(file.read_text()),
     ".yaml": lambda file: yaml.safe_load(file.read_text()),
-    ".safetensors": lambda file: (Checkpoint if file.name == RunFolder.CHECKPOINT else Policy).load(file),
+    ".safetensors": lambda file: (Checkpoint if file.name == RunFolder.EXTRAS["checkpoint"] else Policy).load(file),
     ".png": lambda file: Image.open(file).load(),
     ".csv": lambda file: file.read_text().endswith("\n") or _fail(f"{file.name} ends in the middle of a line"),
     ".html": lambda file: file.read_text().endswith("-->\n") or _fail(f"{file.name} has no end"),
@@ -144,10 +144,10 @@ class Attack:
         kept = {n: c for n, c in self.before.items() if n not in {*STEPS[step].files, *later}}
         replaced = set(after) == set(RunFolder.FILES) - set(later) and {n: after[n] for n in kept} == kept
         assert after == self.before or replaced, f"{sorted(after)} is neither the state before nor after {step}"
-        known = {*RunFolder.FILES.values(), RunFolder.CHECKPOINT}
+        known = {*RunFolder.FILES.values(), RunFolder.EXTRAS["checkpoint"]}
         leftovers = [file.name for file in run.folder.iterdir() if file.name not in known]
         assert not leftovers, f"left behind: {leftovers}"
-        if run.checkpoint():
+        if run.path("checkpoint").exists():
             train_step(run, seed=SEED + 1, resume=True)
             same = run.path("policy").read_bytes() == self.measure("train")[2]
             assert same, "the continued training ends with another policy than the one that was not killed"

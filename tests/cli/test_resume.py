@@ -39,11 +39,11 @@ def test_a_killed_training_is_continued(whole, tiny, tmp_path):
     drakearm("plan", tiny, "--out", tmp_path)
     training = ("train", tiny, "--out", tmp_path, "--batches", BATCHES, "--resume")
     assert kill_after("training 10 of", *training) == -signal.SIGKILL
-    assert (tmp_path / run.CHECKPOINT).exists()
+    assert run.path("checkpoint").exists()
     printed = drakearm(*training)
     assert "continuing the training after" in printed and "training 30 of 30" in printed
     assert run.path("policy").read_bytes() == whole.path("policy").read_bytes()
-    assert not (tmp_path / run.CHECKPOINT).exists()
+    assert not run.path("checkpoint").exists()
     rows = run.path("training_log").read_text().splitlines()
     assert [row.split(",")[0] for row in rows[1:]] == [str(batch) for batch in range(1, BATCHES + 1)]
     assert run.read_json("training", "train")["steps"] == whole.read_json("training", "train")["steps"]
