@@ -9,6 +9,9 @@ from typing import Any
 
 LONGEST_MESSAGE = 300  # characters: a message is read at a glance, whatever the file holds that it quotes
 _LONGEST_PATH, _LONGEST_VALUE = 110, 40
+# Unicode's categories of what a terminal obeys instead of showing it: control characters, changes of direction, halves
+# of characters, line breaks.
+UNPRINTABLE = ("Cc", "Cf", "Cs", "Zl", "Zp")
 _SHORT = Repr()  # of lists and mappings, the first few elements
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]+")
 

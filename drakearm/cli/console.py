@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.segment import Segment
 from rich.text import Text
 
-_UNPRINTABLE = ("Cc", "Cf", "Cs", "Zl", "Zp")  # control characters, changes of direction, half characters, line breaks
+from drakearm.errors import UNPRINTABLE
 
 
 class PlainConsole(Console):
@@ -43,4 +43,4 @@ def show_error(message: str) -> None:
 def _printable(text: str) -> str:
     if text.isprintable():
         return text
-    return "".join(c for c in text if c == "\n" or unicodedata.category(c) not in _UNPRINTABLE)
+    return "".join(c for c in text if c == "\n" or unicodedata.category(c) not in UNPRINTABLE)

@@ -6,6 +6,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
+from drakearm.errors import UNPRINTABLE
+
 LARGEST = 1e12  # of any number, in SI units: larger ones overflow where they are squared and summed
 _SMALLEST = 1e-12  # of a positive number: smaller ones overflow where it divides
 
@@ -29,19 +31,17 @@ def _file_name(value: str) -> str:
         raise ValueError("expected a name, without spaces around it")
     if len(value) > 100 or len(value.encode("utf-8", "surrogatepass")) > 200:
         raise ValueError("expected a name of at most 100 characters")
-    if "/" in value or "\\" in value or any(unicodedata.category(c) in _UNPRINTABLE for c in value):
+    if "/" in value or "\\" in value or any(unicodedata.category(c) in UNPRINTABLE for c in value):
         raise ValueError("expected a name without slashes, backslashes and control characters")
     return value
 
 
 def _plain_text(value: str) -> str:
     """Refuses characters that a terminal would obey instead of showing them."""
-    if any(unicodedata.category(c) in _UNPRINTABLE and c not in "\n\t" for c in value):
+    if any(unicodedata.category(c) in UNPRINTABLE and c not in "\n\t" for c in value):
         raise ValueError("expected text without control characters")
     return value
 
-
-_UNPRINTABLE = ("Cc", "Cs", "Cf", "Zl", "Zp")  # control characters, half characters, changes of direction, line breaks
 
 Number = Annotated[float, BeforeValidator(_number)]
 Finite = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
