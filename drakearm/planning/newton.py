@@ -49,9 +49,7 @@ def solve_newton(problem: Problem) -> tuple[MathematicalProgramResult | None, in
             term.update(x)
         try:
             result = solver.Solve(convex)
-        except (
-            RuntimeError
-        ):  # it finds that a cost is not convex, by rounding errors of weights of very different sizes
+        except RuntimeError:  # weights of very different sizes: by rounding errors, a cost is not convex
             return None, iteration
         if not (result.is_success() and np.isfinite(result.get_x_val()).all()):
             return None, iteration
