@@ -1,4 +1,4 @@
-"""Runs the command `drakearm` in this process, or in one of its own."""
+"""Runs the command `drakearm` in this process, or in one of its own, and reads what it has written."""
 
 import subprocess
 import sys
@@ -25,3 +25,8 @@ def start(*arguments, **options):
     command = [sys.executable, "-m", "drakearm.cli", *(str(a) for a in arguments)]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     return subprocess.Popen(command, text=True, **{**pipes, **options})
+
+
+def contents(run):
+    """The content of each file in a run's folder, by the file's name."""
+    return {file.name: file.read_bytes() for file in run.folder.iterdir()}

@@ -1,9 +1,11 @@
 """A scenario that is quick to plan and to train, and a run of it."""
 
+import shutil
+
 import pytest
 import yaml
 
-from drakearm.experiments import scenario_files
+from drakearm.experiments import RunFolder, scenario_files
 from tests.cli.command import drakearm
 
 
@@ -24,3 +26,10 @@ def finished(tiny, tmp_path_factory):
     out = tmp_path_factory.mktemp("runs") / "tiny"
     printed = drakearm("run", tiny, "--out", out, "--seed", 3)
     return out, printed
+
+
+@pytest.fixture
+def run(finished, tmp_path):
+    """A copy of the finished run, to change."""
+    shutil.copytree(finished[0], tmp_path / "run")
+    return RunFolder(tmp_path / "run")

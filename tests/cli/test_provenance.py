@@ -7,18 +7,7 @@ import signal
 import pytest
 
 from drakearm.experiments import RunFolder
-from tests.cli.command import drakearm, start
-
-
-@pytest.fixture
-def run(finished, tmp_path):
-    """A copy of a finished run."""
-    shutil.copytree(finished[0], tmp_path / "run")
-    return RunFolder(tmp_path / "run")
-
-
-def contents(run):
-    return {file.name: file.read_bytes() for file in run.folder.iterdir()}
+from tests.cli.command import contents, drakearm, start
 
 
 def names(run):

@@ -3,12 +3,10 @@
 import ctypes
 import errno
 import os
-import shutil
 
 import pytest
 
-from drakearm.experiments import RunFolder
-from tests.cli.command import drakearm, start
+from tests.cli.command import contents, drakearm, start
 from tests.full_disk import full_disk
 
 STEPS = ["plan", "train", "evaluate", "replay"]
@@ -18,16 +16,6 @@ WRITTEN = {  # by each step, the file after which the disk is full
     "evaluate": ["recording.npz", "metrics.json"],
     "replay": ["replay.html"],
 }
-
-
-@pytest.fixture
-def run(finished, tmp_path):
-    shutil.copytree(finished[0], tmp_path / "run")
-    return RunFolder(tmp_path / "run")
-
-
-def contents(run):
-    return {file.name: file.read_bytes() for file in run.folder.iterdir()}
 
 
 @pytest.mark.parametrize(("step", "file"), [(step, file) for step in STEPS for file in WRITTEN[step]])

@@ -22,6 +22,19 @@ def test_unknown_scenario_lists_the_known_ones():
         load_scenario("dancing")
 
 
+def refusal(tmp_path, change) -> str:
+    """What is said about a scenario like timing-0.7s with a change."""
+    fields = yaml.safe_load(scenario_files()["timing-0.7s"].read_text())
+    change(fields)
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump(fields))
+    with pytest.raises(ScenarioError) as error:
+        load_scenario(file)
+    message = str(error.value)
+    assert message.startswith(str(file)) and len(message) <= 300 and message.isprintable()
+    return message
+
+
 @pytest.mark.parametrize(
     ("change", "named"),
     [
@@ -34,27 +47,9 @@ def test_unknown_scenario_lists_the_known_ones():
     ],
 )
 def test_wrong_field_is_named(tmp_path, change, named):
-    fields = yaml.safe_load(scenario_files()["timing-0.7s"].read_text())
-    change(fields)
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump(fields))
-    with pytest.raises(ScenarioError) as error:
-        load_scenario(file)
-    for part in [str(file), *named]:
-        assert part in str(error.value)
-
-
-def refusal(tmp_path, change) -> str:
-    """What is said about a scenario like timing-0.7s with a change."""
-    fields = yaml.safe_load(scenario_files()["timing-0.7s"].read_text())
-    change(fields)
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump(fields))
-    with pytest.raises(ScenarioError) as error:
-        load_scenario(file)
-    message = str(error.value)
-    assert message.startswith(str(file)) and len(message) <= 300 and message.isprintable()
-    return message
+    message = refusal(tmp_path, change)
+    for part in [str(tmp_path / "mine.yaml"), *named]:
+        assert part in message
 
 
 @pytest.mark.parametrize(
