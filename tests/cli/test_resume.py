@@ -1,4 +1,4 @@
-"""A training that is stopped at any moment and continued ends as if it had not been stopped."""
+"""A training that is stopped and continued ends as if it had not been stopped."""
 
 import json
 import random
@@ -15,11 +15,21 @@ BATCHES = 30
 
 
 @pytest.fixture(scope="module")
-def whole(tiny, tmp_path_factory):
+def quick(tiny, tmp_path_factory):
+    """A scenario like tiny that imitates only once."""
+    fields = yaml.safe_load(open(tiny).read())
+    fields["training"] |= {"batches": BATCHES, "imitation_rounds": 1}
+    file = tmp_path_factory.mktemp("scenario") / "quick.yaml"
+    file.write_text(yaml.safe_dump(fields))
+    return file
+
+
+@pytest.fixture(scope="module")
+def whole(quick, tmp_path_factory):
     """A run that was never stopped."""
     run = RunFolder(tmp_path_factory.mktemp("whole"))
-    drakearm("plan", tiny, "--out", run.folder)
-    drakearm("train", tiny, "--out", run.folder, "--batches", BATCHES)
+    drakearm("plan", quick, "--out", run.folder)
+    drakearm("train", quick, "--out", run.folder)
     return run
 
 
@@ -34,10 +44,10 @@ def kill_after(line, *arguments):
     return process.returncode
 
 
-def test_a_killed_training_is_continued(whole, tiny, tmp_path):
+def test_a_killed_training_is_continued(whole, quick, tmp_path):
     run = RunFolder(tmp_path)
-    drakearm("plan", tiny, "--out", tmp_path)
-    training = ("train", tiny, "--out", tmp_path, "--batches", BATCHES, "--resume")
+    drakearm("plan", quick, "--out", tmp_path)
+    training = ("train", quick, "--out", tmp_path, "--resume")
     assert kill_after("training 10 of", *training) == -signal.SIGKILL
     assert run.path("checkpoint").exists()
     printed = drakearm(*training)
@@ -50,12 +60,8 @@ def test_a_killed_training_is_continued(whole, tiny, tmp_path):
     assert "the training is finished already" in drakearm(*training)
 
 
-def test_run_continues_by_itself(tiny, tmp_path):
-    fields = yaml.safe_load(open(tiny).read())
-    fields["training"]["batches"] = BATCHES
-    scenario = tmp_path / "tiny.yaml"
-    scenario.write_text(yaml.safe_dump(fields))
-    run = ("run", scenario, "--out", tmp_path / "run")
+def test_run_continues_by_itself(quick, tmp_path):
+    run = ("run", quick, "--out", tmp_path / "run")
     assert kill_after("training 10 of", *run) == -signal.SIGKILL
     printed = drakearm(*run)
     assert "continuing with the plan" in printed and "continuing the training after" in printed
@@ -63,19 +69,19 @@ def test_run_continues_by_itself(tiny, tmp_path):
     assert "exists already" in drakearm(*run, code=1)
 
 
-def test_another_setup_is_refused(tiny, tmp_path):
-    drakearm("plan", tiny, "--out", tmp_path)
-    drakearm("train", tiny, "--out", tmp_path)
-    assert "another seed" in drakearm("train", tiny, "--out", tmp_path, "--resume", "--seed", 1, code=1)
-    assert "another settings" in drakearm("train", tiny, "--out", tmp_path, "--resume", "--batches", 9, code=1)
-    assert "expected one of them" in drakearm("train", tiny, "--resume", "--overwrite", code=2)
+def test_another_setup_is_refused(quick, tmp_path):
+    drakearm("plan", quick, "--out", tmp_path)
+    drakearm("train", quick, "--out", tmp_path)
+    assert "another seed" in drakearm("train", quick, "--out", tmp_path, "--resume", "--seed", 1, code=1)
+    assert "another settings" in drakearm("train", quick, "--out", tmp_path, "--resume", "--batches", 9, code=1)
+    assert "expected one of them" in drakearm("train", quick, "--resume", "--overwrite", code=2)
 
 
 @pytest.mark.slow
-def test_kills_at_random_moments(whole, tiny, tmp_path):
+def test_kills_at_random_moments(whole, quick, tmp_path):
     chance = random.Random(2)
-    drakearm("plan", tiny, "--out", tmp_path)
-    training = ("train", tiny, "--out", tmp_path, "--batches", BATCHES, "--resume")
+    drakearm("plan", quick, "--out", tmp_path)
+    training = ("train", quick, "--out", tmp_path, "--resume")
     for _ in range(3):
         process = start(*training)
         try:
