@@ -43,6 +43,9 @@ class StaticOptimizer(LeafSystem):
     3. `static_activations` gives the activations for these torques.
     4. `excitations_to_reach` gives the excitations that bring each activation there within a control step.
 
+    priority: (n_q,), from 0 to 1, of the joints where the muscles are too weak for all of them; by default all are
+    alike.
+
     The method neglects that forces lag behind activations while tendons stretch. Therefore four times the default
     stiffness already makes the arm tremble.
 
@@ -56,10 +59,12 @@ class StaticOptimizer(LeafSystem):
         load_mass: float = 0.0,
         feedback: Feedback = FEEDBACK,
         control_step: float = CONTROL_STEP,
+        priority: np.ndarray | None = None,
     ):
         super().__init__()
         self._muscles, self._paths = arm.muscle_table, arm.path_table
         self._feedback = feedback
+        self._priority = np.ones(len(arm.coordinates)) if priority is None else priority
         self._control_step = control_step
         self._plant = MultibodyPlant(time_step=0.0)
         add_skeleton(self._plant, arm, load_mass)
@@ -76,7 +81,7 @@ class StaticOptimizer(LeafSystem):
         q, v = np.split(self._arm_state.Eval(context), 2)
         tau = self._torque(q, v, self._feedback.acceleration(q, v, self._reference.Eval(context)))
         activation = self._activation.Eval(context)
-        desired, _ = static_activations(q, v, tau, activation, self._muscles, self._paths)
+        desired, _ = static_activations(q, v, tau, activation, self._priority, self._muscles, self._paths)
         excitation = excitations_to_reach(desired, activation, self._control_step, self._muscles)
         state.get_mutable_discrete_state().set_value(excitation)
 

@@ -18,6 +18,7 @@ from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import Scenario, load_scenario
 from drakearm.figures import write_plan_picture
 from drakearm.learning import BatchReport, Policy, PpoSettings, imitate, train
+from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
@@ -95,8 +96,8 @@ def train_step(
             shutil.copy(run.existing("training_log", "train --overwrite"), work)
         start = time.perf_counter() - (earlier["seconds"] if earlier else 0.0)
 
-        def prepare(actor: Actor) -> None:
-            imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
+        def prepare(actor: Actor) -> InputScaling:
+            return imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
 
         def keep(report: BatchReport) -> None:
             """Puts the policy, the log and the progress of the training into the run folder, all together."""

@@ -13,15 +13,17 @@ import torch
 from drakearm.learning.arm_vector_env import ArmVectorEnv
 from drakearm.learning.backprop import Backprop
 from drakearm.learning.expert import StaticExpert
+from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.learners import Learner
 from drakearm.learning.policy import Actor
+from drakearm.learning.rehearsal import rehearse
 from drakearm.task import TrackingTask
 
 ARMS = 64
 EPOCHS = 20  # per round, over the samples of all rounds so far
 MINIBATCH = 600  # samples
 LEARNING_RATE = 2e-3  # at the start of every round, in which it falls linearly towards a tenth
-NOISE = 0.2  # standard deviation, on the excitations of the last arm; it grows linearly from 0, for the first arm
+NOISE = 0.1  # standard deviation, on the excitations of the last arm; it grows linearly from 0, for the first arm
 
 
 def imitate(
@@ -30,30 +32,37 @@ def imitate(
     rounds: int,
     seed: int,
     on_round: Callable[[int], None] | None = None,
-) -> None:
-    """Trains an actor in place. The same seed gives the same weights.
+) -> InputScaling:
+    """Trains an actor in place. The same seed gives the same weights. Returns the scaling of the actor's inputs.
 
-    tasks: assigned to the arms round-robin, as in `ArmVectorEnv`. The expert moves the arms in the first round, and the
-    actor in later rounds. on_round: called after each round with its number, from 1.
+    tasks: assigned to the arms round-robin, as in `ArmVectorEnv`. The expert rehearses them. It moves the arms in the
+    first round, and the actor in later rounds. The observations of the first round give the scaling. on_round: called
+    after each round with its number, from 1.
     """
-    envs, expert = ArmVectorEnv(tasks, max(ARMS, len(tasks))), StaticExpert(tasks, max(ARMS, len(tasks)))
+    arms = max(ARMS, len(tasks))
+    envs, expert = ArmVectorEnv(tasks, arms), StaticExpert(tasks, arms, rehearse(tasks))
+    scaling = InputScaling.none(envs.single_observation_space.shape[0])
     learner = Learner(actor, max_grad_norm=1.0)
     generator = torch.Generator().manual_seed(seed)
     all_observations: list[torch.Tensor] = []
     all_excitations: list[torch.Tensor] = []
     for number in range(1, rounds + 1):
-        observations, excitations = _collect(envs, expert, None if number == 1 else actor, seed + number)
+        observations, excitations = _collect(envs, expert, None if number == 1 else actor, scaling, seed + number)
+        if number == 1:
+            scaling = InputScaling.of(observations)
+            observations = torch.tensor(scaling(observations.numpy()))
         all_observations.append(observations)
         all_excitations.append(excitations)
         _fit(actor, learner, torch.cat(all_observations), torch.cat(all_excitations), generator)
         if on_round:
             on_round(number)
+    return scaling
 
 
 def _collect(
-    envs: ArmVectorEnv, expert: StaticExpert, actor: Actor | None, seed: int
+    envs: ArmVectorEnv, expert: StaticExpert, actor: Actor | None, scaling: InputScaling, seed: int
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """Observations and the expert's excitations in one episode per arm. Without an actor, the expert moves the arms."""
+    """Scaled observations and the expert's excitations in one episode per arm. Without an actor, the expert moves."""
     rng = np.random.default_rng(seed)
     noise = np.linspace(0.0, NOISE, envs.num_envs)[:, None]
     observation, info = envs.reset(seed=seed)
@@ -61,7 +70,7 @@ def _collect(
     moving = np.ones(envs.num_envs, dtype=bool)
     while moving.any():
         desired = expert.act(info["arm_state"], info["activation"], envs.reference_step)
-        inputs = torch.tensor(observation)  # a copy, in memory that torch aligns
+        inputs = torch.tensor(scaling(observation))  # a copy, in memory that torch aligns
         observations.append(inputs[moving])
         excitations.append(torch.tensor(desired[moving], dtype=torch.float32))
         with torch.no_grad():

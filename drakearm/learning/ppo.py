@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from copy import deepcopy
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,6 +27,7 @@ from drakearm.files.fields import STRICT, Finite, Fraction, Positive, Whole
 from drakearm.learning.backprop import separate_weights
 from drakearm.learning.batch_report import BatchReport, csv_log
 from drakearm.learning.checkpoint import Checkpoint, Environments, TorchGenerator
+from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.policy_file import Layers
@@ -105,7 +107,7 @@ def train(
     *,
     seed: int,
     metadata: dict[str, Any],
-    prepare: Callable[[Actor], None] | None = None,
+    prepare: Callable[[Actor], InputScaling] | None = None,
     log_path: Path | None = None,
     checkpoint_path: Path | None = None,
     resume_path: Path | None = None,
@@ -113,7 +115,8 @@ def train(
 ) -> Policy:
     """Trains a policy on `envs`, which stay open. The same seed gives the same policy, bit for bit.
 
-    metadata: is stored in the policy. prepare: may train the actor before PPO does, as `imitate` does. log_path: gets
+    metadata: is stored in the policy. prepare: may train the actor before PPO does, as `imitate` does, and returns the
+    scaling of its inputs; without it, inputs are not scaled. The policy takes unscaled observations. log_path: gets
     one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after every batch.
     resume_path: gets all that the training needs to continue after every batch. If the file exists already, the
     training continues from it, and ends with the same policy as if it had never stopped. on_batch: called after every
@@ -130,12 +133,13 @@ def train(
     policy = _initial_policy(observation_space, action_space, settings, metadata, generator)
     inputs = json.loads(json.dumps({"seed": seed, "settings": asdict(settings), "metadata": metadata}))
     earlier = _earlier(resume_path, inputs)
+    scaling = InputScaling.none(policy.n_observations)
     if prepare and earlier is None:
-        prepare(policy.actor)
+        scaling = prepare(policy.actor)
     policy.to("cuda" if torch.cuda.is_available() else "cpu")
     actor = ActorLearner(policy.actor, settings.max_grad_norm, settings.clip)
     critic = CriticLearner(policy.critic, settings.max_grad_norm, settings.value_weight)
-    collector = Collector(envs, settings.steps, seed)
+    collector = Collector(envs, settings.steps, seed, scaling)
     parts = {"actor": actor, "critic": critic, "collector": collector, "generator": TorchGenerator(generator)}
     if resume_path:
         parts["environments"] = Environments(envs)
@@ -180,16 +184,23 @@ def train(
             batch_start = now
             write_row(report)
             if checkpoint_path:
-                policy.save(checkpoint_path)
+                _unscaled(policy, collector.scaling).save(checkpoint_path)
             if resume_path:
                 checkpoint = Checkpoint(inputs, {"batch": batch, "steps": steps, "learning_rate": learning_rate})
                 checkpoint.add(parts)
                 checkpoint.save(resume_path)
             if on_batch:
                 on_batch(report)
-    policy.cpu()
-    separate_weights(policy)
-    return policy
+    return _unscaled(policy, collector.scaling)
+
+
+def _unscaled(policy: Policy, scaling: InputScaling) -> Policy:
+    """A copy of the policy, on the CPU, that takes unscaled observations."""
+    copy = deepcopy(policy).cpu()
+    separate_weights(copy)
+    for network in (copy.actor.mean, copy.critic.value):
+        scaling.fold(network)
+    return copy
 
 
 def _adapted(learning_rate: float, kl: float, target: float) -> float:

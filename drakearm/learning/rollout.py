@@ -16,6 +16,7 @@ from torch import Tensor
 
 from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop
+from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor
 
 
@@ -47,10 +48,10 @@ def gae(
 class Rollout:
     """The transitions of one batch, in arrays (T, N), and statistics for the report."""
 
-    observations: Tensor  # (T, N, n_obs), before the action
+    observations: Tensor  # (T, N, n_obs), scaled, before the action
     actions: Tensor  # (T, N, n_act), as sampled, not clipped to the bounds
     log_probs: Tensor  # log-densities of the actions
-    successors: Tensor  # (T, N, n_obs), after the action and before any reset
+    successors: Tensor  # (T, N, n_obs), scaled, after the action and before any reset
     rewards: NDArray[np.float32]
     terminated: NDArray[np.bool_]  # the successor has no future
     ended: NDArray[np.bool_]  # terminated, or truncated by a time limit
@@ -60,9 +61,12 @@ class Rollout:
 
 
 class Collector:
-    """Collects `steps` steps of all `envs` per batch. Episodes continue from one batch to the next."""
+    """Collects `steps` steps of all `envs` per batch. Episodes continue from one batch to the next.
 
-    def __init__(self, envs: VectorEnv, steps: int, seed: int) -> None:
+    scaling: of the observations, before the actor gets them and in the rollouts.
+    """
+
+    def __init__(self, envs: VectorEnv, steps: int, seed: int, scaling: InputScaling) -> None:
         mode = envs.metadata.get("autoreset_mode")
         if mode not in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
             raise TrainingError(
@@ -71,6 +75,7 @@ class Collector:
             )
         self._envs = envs
         self._steps = steps
+        self.scaling = scaling
         self._same_step = mode == AutoresetMode.SAME_STEP
         actions = cast(Box, envs.single_action_space)
         self._low, self._high = actions.low, actions.high
@@ -81,12 +86,19 @@ class Collector:
     @property
     def state(self) -> dict[str, NDArray[Any]]:
         """Where the collecting is, by name, apart from the environments. To set it continues the collecting there."""
-        return {"observation": self._observation, "resets_next": self._resets_next, "returns": self._returns}
+        return {
+            "observation": self._observation,
+            "resets_next": self._resets_next,
+            "returns": self._returns,
+            "input_mean": self.scaling.mean,
+            "input_scale": self.scaling.scale,
+        }
 
     @state.setter
     def state(self, arrays: dict[str, NDArray[Any]]) -> None:
         self._observation, self._resets_next = arrays["observation"], arrays["resets_next"]
         self._returns = arrays["returns"].copy()
+        self.scaling = InputScaling(arrays["input_mean"], arrays["input_scale"])
 
     @torch.no_grad()
     def collect(self, actor: Actor, generator: torch.Generator, batch: int) -> Rollout:
@@ -110,7 +122,7 @@ class Collector:
         errors: list[NDArray[Any]] = []
 
         for t in range(self._steps):
-            before[t] = self._observation
+            before[t] = self.scaling(self._observation)
             _require_finite(before[t], "an observation", batch)
             actions[t] += mean(observations[t].to(device)).cpu()
             bounded = actions[t].numpy().clip(self._low, self._high)
@@ -118,9 +130,9 @@ class Collector:
 
             ended_now = terminal | truncated
             moved = ~self._resets_next
-            after[t] = observation
+            after[t] = self.scaling(observation)
             if self._same_step and ended_now.any():
-                after[t, ended_now] = np.stack(infos["final_obs"][ended_now])
+                after[t, ended_now] = self.scaling(np.stack(infos["final_obs"][ended_now]))
             rewards[t], terminated[t], ended[t], valid[t] = reward, terminal, ended_now, moved
             errors += _tracking_errors(infos, moved)
 

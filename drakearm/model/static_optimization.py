@@ -21,6 +21,7 @@ from drakearm.muscle.contraction import (
 )
 
 RESERVE_WEIGHT = 1e4  # 1/(Nm)^2, of squared reserve torques, where squared activations have weight 1
+_LEAST_SHARE = 1e-3  # of RESERVE_WEIGHT, that a joint gets; with 0 nothing would move it
 _ROUNDS = 20  # at most; each linearizes the muscles once
 _SETTLED = 1e-4  # change of the activations in the last round; the remaining error is about its square
 _GUESSED_STRAIN = 0.02  # of tendons, for the first guess of the fiber lengths
@@ -68,20 +69,20 @@ def steady_force(activation, mtu_length, mtu_speed, guess, m):
 
 
 @inner
-def _smallest_controls(gain, desired, lower, x):
-    """Writes the x (n,) in [lower, 1] with the least |x|^2 + RESERVE_WEIGHT |desired - x gain|^2.
+def _smallest_controls(gain, desired, reserve_weight, lower, x):
+    """Writes the x (n,) in [lower, 1] with the least |x|^2 + sum_j reserve_weight_j (desired - x gain)_j^2.
 
-    gain: (n, n_q). desired: (n_q,). The method is Newton's on the dual problem, in which only n_q numbers p are
-    unknown: x = clip(gain p, lower, 1), and p is RESERVE_WEIGHT times the reserve torque. The dual cost is convex and
-    its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method converges from every
-    start.
+    gain: (n, n_q). desired, reserve_weight: (n_q,). The method is Newton's on the dual problem, in which only n_q
+    numbers p are unknown: x = clip(gain p, lower, 1), and p is reserve_weight times the reserve torque. The dual cost is
+    convex and its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method converges
+    from every start.
 
     Matrix products are written as loops. BLAS would give last bits that depend on the position of the arrays in memory.
     """
     n, n_q = gain.shape
     p, later_p = np.zeros(n_q), np.zeros(n_q)
     gradient, move, hessian = np.empty(n_q), np.empty(n_q), np.empty((n_q, n_q))
-    _dual_gradient(p, gain, desired, lower, x, gradient)
+    _dual_gradient(p, gain, desired, reserve_weight, lower, x, gradient)
     for _ in range(_DUAL_STEPS):
         largest = 0.0
         for j in range(n_q):
@@ -91,7 +92,7 @@ def _smallest_controls(gain, desired, lower, x):
         for j in range(n_q):
             move[j] = -gradient[j]
             for k in range(n_q):
-                hessian[j, k] = 1.0 / RESERVE_WEIGHT if j == k else 0.0
+                hessian[j, k] = 1.0 / reserve_weight[j] if j == k else 0.0
         for i in range(n):
             if lower[i] < x[i] < 1.0:
                 for j in range(n_q):
@@ -102,7 +103,7 @@ def _smallest_controls(gain, desired, lower, x):
         while True:
             for j in range(n_q):
                 later_p[j] = p[j] + move[j]
-            _dual_gradient(later_p, gain, desired, lower, x, gradient)
+            _dual_gradient(later_p, gain, desired, reserve_weight, lower, x, gradient)
             if not _dot(gradient, move) > 0.1 * decline:
                 break
             decline *= 0.5
@@ -112,11 +113,11 @@ def _smallest_controls(gain, desired, lower, x):
 
 
 @inner
-def _dual_gradient(p, gain, desired, lower, x, gradient):
+def _dual_gradient(p, gain, desired, reserve_weight, lower, x, gradient):
     """Writes the x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost at p."""
     n, n_q = gain.shape
     for j in range(n_q):
-        gradient[j] = p[j] / RESERVE_WEIGHT - desired[j]
+        gradient[j] = p[j] / reserve_weight[j] - desired[j]
     for i in range(n):
         total = 0.0
         for j in range(n_q):
@@ -135,12 +136,13 @@ def _dot(x, y):
 
 
 @compiled
-def static_activations(q, v, tau, guess, muscles, paths):
+def static_activations(q, v, tau, guess, priority, muscles, paths):
     """Activations (n,) with the least sum of squares that exert joint torques tau (n_q,), Nm; and the reserve torques.
 
     The reserve torques (n_q,), Nm, are what the muscles lack to exert tau. q, v: joint angles and speeds (n_q,). guess:
-    activations (n,) to start from. Activations stay in [minimum_activation, 1]. If these cannot exert tau, the reserve
-    torques are as small as possible. Muscle forces are not linear in the activation, because it also changes the fiber
+    activations (n,) to start from. priority: (n_q,), from 0 to 1, of the joints. Activations stay in
+    [minimum_activation, 1]. If these cannot exert tau, the squares of the reserve torques, weighted with the priorities,
+    are as small as possible. Muscle forces are not linear in the activation, because it also changes the fiber
     velocity and stretches the tendon. So a few rounds linearize the muscles around the present activations and solve a
     small quadratic program, until the activations do not change any more.
     """
@@ -153,7 +155,9 @@ def static_activations(q, v, tau, guess, muscles, paths):
     a = np.minimum(np.maximum(guess, lower), 1.0)
     later = np.empty(n)
     gain = np.empty((n, n_q))
-    desired, reserve = np.empty(n_q), np.empty(n_q)
+    desired, reserve, reserve_weight = np.empty(n_q), np.empty(n_q), np.empty(n_q)
+    for j in range(n_q):
+        reserve_weight[j] = RESERVE_WEIGHT * max(priority[j], _LEAST_SHARE)
     for _ in range(_ROUNDS):
         reserve[:] = tau
         desired[:] = 0.0
@@ -165,7 +169,7 @@ def static_activations(q, v, tau, guess, muscles, paths):
                 gain[i, j] = moment_arm[i, j] * slope
                 desired[j] += a[i] * gain[i, j]
         desired += reserve
-        _smallest_controls(gain, desired, lower, later)
+        _smallest_controls(gain, desired, reserve_weight, lower, later)
         largest = 0.0
         for i in range(n):
             move = later[i] - a[i]

@@ -32,6 +32,13 @@ class Reward(Kind):
     def check(self, arm: Arm) -> None:
         """Raises TaskError if the reward does not fit the arm. By default, every reward fits every arm."""
 
+    def priority(self, arm: Arm) -> np.ndarray:
+        """The priority (n_q,) of each joint, from 0 to 1. Static optimization sacrifices a joint with a lower one first.
+
+        It matters only where the muscles are too weak for all joints. By default all joints are alike.
+        """
+        return np.ones(len(arm.coordinates))
+
 
 @dataclass(frozen=True, config=STRICT)
 class RewardWeights(Reward):
@@ -58,6 +65,11 @@ class RewardWeights(Reward):
                     f"The reward's {name} has {count} weights: expected {len(arm.coordinates)}, for "
                     f"{', '.join(arm.coordinates)}."
                 )
+
+    def priority(self, arm: Arm) -> np.ndarray:
+        """The position weights, divided by the largest one."""
+        position = np.array(self.position)
+        return position / position.max() if position.max() > 0.0 else super().priority(arm)
 
     @cached_property
     def _weights(self) -> np.ndarray:

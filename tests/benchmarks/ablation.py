@@ -17,6 +17,7 @@ import torch
 from drakearm.experiments.metrics import run_policy
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import PAPER, ArmVectorEnv, PpoSettings, imitate, train
+from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.reference import Reference
@@ -105,8 +106,8 @@ def measure(task: TrackingTask, settings: PpoSettings, seed: int) -> tuple[np.nd
     """The mean error of each joint, (n_q,), rad, and the duration of the training, s."""
     began = time.perf_counter()
 
-    def prepare(actor: Actor) -> None:
-        imitate(actor, [task], settings.imitation_rounds, seed)
+    def prepare(actor: Actor) -> InputScaling:
+        return imitate(actor, [task], settings.imitation_rounds, seed)
 
     policy = train(
         ArmVectorEnv(task, settings.environments),

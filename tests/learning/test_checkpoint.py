@@ -11,6 +11,7 @@ from drakearm.errors import TrainingError
 from drakearm.experiments import make_task_env, scenario_task
 from drakearm.learning import ArmVectorEnv, PpoSettings, train
 from drakearm.learning.checkpoint import Checkpoint, generator_state, restored_generator
+from drakearm.learning.input_scaling import InputScaling
 
 SETTINGS = PpoSettings(batches=4, environments=3, steps=40, minibatches=2, epochs=2)
 DROPPED = ("steps_per_second", "seconds_left")
@@ -51,9 +52,14 @@ def stopped_after(batch):
 def test_a_continued_training_ends_with_the_same_policy(task, tmp_path, make_envs, final_std):
     """Stopped twice, in new environments each time, in the middle of the arms' episodes."""
     settings = replace(SETTINGS, final_std=final_std)
-    whole = train(make_envs(task), settings, seed=5, metadata={})
     files = {"resume_path": tmp_path / "checkpoint.safetensors", "log_path": tmp_path / "log.csv"}
     prepared = []
+
+    def prepare(actor):
+        prepared.append(actor)
+        return InputScaling(np.full(58, 0.5, np.float32), np.full(58, 2.0, np.float32))
+
+    whole = train(make_envs(task), settings, seed=5, metadata={}, prepare=prepare)
     for batch in (1, 3):
         with pytest.raises(Stopped):
             train(
@@ -61,13 +67,13 @@ def test_a_continued_training_ends_with_the_same_policy(task, tmp_path, make_env
                 settings,
                 seed=5,
                 metadata={},
-                prepare=prepared.append,
+                prepare=prepare,
                 on_batch=stopped_after(batch),
                 **files,
             )
     continued = train(make_envs(task), settings, seed=5, metadata={}, **files)
     assert torch.equal(weights(whole), weights(continued))
-    assert len(prepared) == 1  # imitation is not repeated
+    assert len(prepared) == 2  # imitation is not repeated
     rows = files["log_path"].read_text().splitlines()
     assert [row.split(",")[0] for row in rows] == ["batch", "1", "2", "3", "4"]
     assert [row.split(",")[2] for row in rows[1:]] == ["120", "240", "360", "480"]

@@ -15,9 +15,10 @@ from drakearm.muscle.activation import activation_step
 POSTURES = np.deg2rad([[0, 0], [0, 90], [-30, 90], [-20, 80], [20, 20], [-40, 120]])
 
 
-def optimize(arm, q, v, tau):
+def optimize(arm, q, v, tau, priority=(1.0, 1.0)):
     guess = arm.muscle_table["minimum_activation"].copy()
-    return static_activations(np.asarray(q), np.asarray(v), np.asarray(tau), guess, arm.muscle_table, arm.path_table)
+    q, v, tau, priority = map(np.asarray, (q, v, tau, priority))
+    return static_activations(q, v, tau, guess, priority, arm.muscle_table, arm.path_table)
 
 
 def exerted(arm, a, q, v):
@@ -51,6 +52,22 @@ def test_muscles_and_reserve_together_exert_the_torque(any_arm):
         a, reserve = optimize(any_arm, q, v, tau)
         np.testing.assert_allclose(exerted(any_arm, a, q, v) + reserve, tau, atol=1e-6)
         assert np.all((a >= any_arm.muscle_table["minimum_activation"]) & (a <= 1.0))
+
+
+def test_a_joint_with_a_higher_priority_lacks_less_torque(arm):
+    q, rest, tau = np.array([0.0, 1.0]), np.zeros(2), np.array([30.0, 5.0])  # more than the shoulder can exert
+    _, alike = optimize(arm, q, rest, tau)
+    _, elbow_first = optimize(arm, q, rest, tau, (0.1, 1.0))
+    assert abs(elbow_first[1]) < 0.2 * abs(alike[1])
+    assert abs(elbow_first[0]) > abs(alike[0])
+
+
+def test_priorities_do_not_matter_where_the_muscles_are_strong_enough(arm):
+    q, v, tau = np.array([0.0, 1.0]), np.array([0.5, 2.0]), np.array([2.0, 1.0])
+    a, reserve = optimize(arm, q, v, tau)
+    other, _ = optimize(arm, q, v, tau, (0.1, 1.0))
+    np.testing.assert_allclose(reserve, 0.0, atol=1e-3)
+    np.testing.assert_allclose(other, a, atol=1e-3)
 
 
 @pytest.mark.parametrize("q", POSTURES[1:4])
