@@ -2,7 +2,10 @@
 
 from drakearm.diagrams.mpc_loop import MakeMpcLoop, MpcLoop
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm
+from drakearm.diagrams.perturbation import Perturbation
+from drakearm.diagrams.perturbations import ExtraLoad, MotorNoise, Push, SensorDelay, Strength
 from drakearm.diagrams.policy_loop import MakePolicyLoop
+from drakearm.diagrams.start_perturbations import StartNoise, StartOffset
 from drakearm.diagrams.static_loop import MakeStaticLoop
 from drakearm.diagrams.tracking_loop import TrackingLoop
 from drakearm.diagrams.tracking_task import AddTrackingTask, MakeTrackingTask, TaskSystems
@@ -10,13 +13,21 @@ from drakearm.diagrams.tracking_task import AddTrackingTask, MakeTrackingTask, T
 __all__ = [
     "AddMuscleArm",
     "AddTrackingTask",
+    "ExtraLoad",
     "MakeMpcLoop",
     "MakePolicyLoop",
     "MakeSimulator",
     "MakeStaticLoop",
     "MakeTrackingTask",
+    "MotorNoise",
     "MpcLoop",
     "MuscleArm",
+    "Perturbation",
+    "Push",
+    "SensorDelay",
+    "StartNoise",
+    "StartOffset",
+    "Strength",
     "TaskSystems",
     "TrackingLoop",
 ]

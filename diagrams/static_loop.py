@@ -1,9 +1,12 @@
 """The closed loop with static optimization, which drives the arm along a reference without learning."""
 
+from collections.abc import Sequence
+
 from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 
+from drakearm.diagrams.perturbation import Perturbation
 from drakearm.diagrams.tracking_loop import TrackingLoop, close_loop
 from drakearm.diagrams.tracking_task import AddTrackingTask
 from drakearm.model.feedback import Feedback
@@ -16,17 +19,19 @@ def MakeStaticLoop(
     *,
     feedback: Feedback = FEEDBACK,
     meshcat: Meshcat | None = None,
+    perturbations: Sequence[Perturbation] = (),
 ) -> TrackingLoop:
-    """The tracking task controlled by `StaticOptimizer`, which knows the load; drawn live if a Meshcat is given.
+    """The tracking task controlled by `StaticOptimizer`, which knows the task's load; drawn live if a Meshcat is given.
 
-    feedback: how accelerations respond to the tracking error.
+    feedback: how accelerations respond to the tracking error. perturbations: what disturbs the arm and its
+    senses without the controller's knowledge.
     """
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph()) if meshcat else None
-    systems = AddTrackingTask(builder, task, scene_graph)
+    systems = AddTrackingTask(builder, task, scene_graph, perturbations)
     controller = builder.AddNamedSystem("static_optimizer", StaticOptimizer(task.arm, task.load_mass, feedback))
     desired = builder.AddNamedSystem("desired_motion", TrajectorySource(task.reference.trajectory(), 2))
-    builder.Connect(systems.arm.plant.get_state_output_port(), controller.GetInputPort("arm_state"))
-    builder.Connect(systems.arm.muscles.GetOutputPort("activation"), controller.GetInputPort("activation"))
+    builder.Connect(systems.sensed["arm_state"], controller.GetInputPort("arm_state"))
+    builder.Connect(systems.sensed["activation"], controller.GetInputPort("activation"))
     builder.Connect(desired.get_output_port(), controller.GetInputPort("reference"))
     return close_loop(builder, "static_loop", systems, controller, scene_graph, meshcat)

@@ -1,30 +1,80 @@
 """`drakearm evaluate`."""
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from drakearm.cli.console import console, say
 from drakearm.cli.folders import planned_run_folder, say_removed
-from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument
+from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument, path
 from drakearm.cli.own_code import import_own_code
+from drakearm.cli.perturbations import (
+    Load,
+    MotorNoise,
+    Push,
+    SensorDelay,
+    StartOffset,
+    Strength,
+    chosen_perturbations,
+)
 
 if TYPE_CHECKING:
+    from drakearm.diagrams import Perturbation
     from drakearm.experiments import RunFolder
 
 
-def evaluate(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite = False, imports: Import = None) -> None:
+def evaluate(
+    scenario: ScenarioArgument,
+    policy: Annotated[
+        Path | None,
+        typer.Option(help="Evaluate this policy instead of the run's own.", metavar="FILE", parser=path),
+    ] = None,
+    load: Load = None,
+    motor_noise: MotorNoise = None,
+    sensor_delay: SensorDelay = None,
+    push: Push = None,
+    strength: Strength = None,
+    start_offset: StartOffset = None,
+    out: Out = None,
+    overwrite: Overwrite = False,
+    imports: Import = None,
+) -> None:
     """Measure how well the policy follows the plan, on the Drake Diagram.
 
     Runs the policy once without noise and 10 times with noise. Writes metrics.json (errors in rad) and recording.npz
     (angles, activations and forces of the run without noise), and prints a table.
+
+    With another policy, or with perturbations, of which no policy knows: 10 runs without exploration, each from a
+    random start. The results go to perturbed.json and perturbed.npz (the first of the runs), and the run's own metrics
+    stay. Several perturbations act together.
     """
     import_own_code(imports)
+    perturbations = chosen_perturbations(load, motor_noise, sensor_delay, push, strength, start_offset)
     from drakearm.experiments import evaluate_step
 
     with planned_run_folder(scenario, out) as run:
-        run.existing("policy", f"train {scenario}")
+        if policy is None:
+            run.existing("policy", f"train {scenario}")
+        if policy or perturbations:
+            _evaluate_perturbed(run, perturbations, policy, overwrite)
+            return
         outdated = run.claim("evaluate", overwrite)
         show_metrics(run, evaluate_step(run))
         say_removed(outdated)
+
+
+def _evaluate_perturbed(
+    run: "RunFolder", perturbations: "list[Perturbation]", policy: Path | None, overwrite: bool
+) -> None:
+    from drakearm.experiments import perturb_step
+    from drakearm.figures import perturbed_table
+    from drakearm.model import load_arm
+
+    run.claim("perturb", overwrite)
+    metrics = perturb_step(run, perturbations, policy)
+    console.print(perturbed_table(metrics, load_arm(run.scenario().arm).coordinates))
+    say(f"results in {run.path('perturbed')}")
 
 
 def show_metrics(run: "RunFolder", metrics: dict[str, Any]) -> None:

@@ -17,9 +17,11 @@ __all__ = [
     "make_env",
     "make_task_env",
     "make_vector_env",
+    "perturb_step",
     "plan_step",
     "replay_step",
     "run_policy",
+    "run_policy_perturbed",
     "run_policy_stochastic",
     "scenario_files",
     "scenario_task",
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from drakearm.experiments.choices import EnvKind, Preset
     from drakearm.experiments.environments import make_env, make_task_env, make_vector_env, scenario_task
     from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics
+    from drakearm.experiments.perturbed import perturb_step, run_policy_perturbed
     from drakearm.experiments.run_folder import RunFolder
     from drakearm.experiments.scenario import Scenario, load_scenario
     from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
@@ -43,6 +46,7 @@ else:
             "drakearm.experiments.choices": ("EnvKind", "Preset"),
             "drakearm.experiments.environments": ("make_env", "make_task_env", "make_vector_env", "scenario_task"),
             "drakearm.experiments.metrics": ("run_policy", "run_policy_stochastic", "tracking_metrics"),
+            "drakearm.experiments.perturbed": ("perturb_step", "run_policy_perturbed"),
             "drakearm.experiments.run_folder": ("RunFolder",),
             "drakearm.experiments.scenario": ("Scenario", "load_scenario"),
             "drakearm.experiments.steps": ("evaluate_step", "plan_step", "replay_step", "train_step"),

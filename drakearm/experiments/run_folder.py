@@ -43,6 +43,7 @@ STEPS = {  # in the order of a run
     ),
     "evaluate": Step(("scenario", "arm", "reference", "policy"), ("metrics", "recording"), "metrics"),
     "replay": Step(("scenario", "arm", "recording"), ("replay",), "replay"),  # as a comment in the page
+    "perturb": Step(("scenario", "arm", "reference", "policy"), ("perturbed", "perturbed_recording"), "perturbed"),
 }
 
 
@@ -63,6 +64,8 @@ class RunFolder:
         "recording": "recording.npz",  # Recording of the deterministic run
         "metrics": "metrics.json",
         "replay": "replay.html",
+        "perturbed": "perturbed.json",  # metrics of runs on a perturbed arm, with this policy or another one
+        "perturbed_recording": "perturbed.npz",  # Recording of the first of these runs
     }
     EXTRAS = {  # noqa: RUF012
         "arm": "arm",  # a copy of the arm's folder, if it is not a shipped one
@@ -183,7 +186,7 @@ class RunFolder:
         for source in STEPS[step].inputs:
             if record.made_from.get(_file_name(source)) != self._fingerprint(source):
                 raise RunFolderError(f"{shown(file)} was made from another {_file_name(source)}: {again}")
-            if source != "arm" and _maker(source) != step:
+            if source != "arm" and _maker(source) != step and self.path(source).exists():
                 self._check(source, _maker(source))
 
     def _fingerprint(self, name: str) -> str:
@@ -222,11 +225,12 @@ class NewFiles:
         self.path("scenario").write_text(yaml.safe_dump(fields, sort_keys=False), encoding="utf-8")
 
     def made_from(self) -> dict[str, str]:
-        """The fingerprints of the step's inputs."""
+        """The fingerprints of the step's inputs; empty for one that is missing because the step did without it."""
         found = {}
         for name in STEPS[self._step].inputs:
             earlier = self._arm if name == "arm" else self._run.path(name)
-            found[_file_name(name)] = fingerprint(self.path(name) if self.path(name).exists() else earlier)
+            source = self.path(name) if self.path(name).exists() else earlier
+            found[_file_name(name)] = fingerprint(source) if source.exists() else ""
         return found
 
     def write_record(self, content: Mapping[str, Any]) -> None:
@@ -251,9 +255,12 @@ def _maker(name: str) -> str:
 
 
 def _after(step: str) -> list[str]:
-    """The steps that come after a step."""
-    steps = list(STEPS)
-    return steps[steps.index(step) + 1 :]
+    """The steps that read what a step writes, or what one of these steps writes."""
+    later: list[str] = []
+    for name, other in STEPS.items():
+        if name != step and any(_maker(source) in (step, *later) for source in other.inputs):
+            later.append(name)
+    return later
 
 
 def _fields(scenario: str | Path, preset: Preset | None = None) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, InstanceOf, TypeAdapter, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 
+from drakearm.diagrams.perturbation import FilePerturbation
 from drakearm.errors import ScenarioError
 from drakearm.experiments.catalog import find_scenario
 from drakearm.experiments.choices import Preset
@@ -60,6 +61,7 @@ class Scenario:
     arm: ArmName = "arm14"  # name of a shipped arm, or a user's folder, relative to the scenario file
     load_mass: Annotated[NonNegative, Field(le=1000.0)] = 0.0  # kg, welded to the hand
     obstacle: Obstacle | None = None  # which the plan avoids
+    perturbations: Annotated[tuple[FilePerturbation, ...], Field(max_length=50)] = ()  # of the robustness runs
     training: PpoSettings = field(default_factory=PpoSettings)
     preset: Preset = Preset.drakearm
 

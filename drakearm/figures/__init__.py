@@ -2,6 +2,7 @@
 
 from drakearm.figures.arm_picture import draw_arm, write_arm_picture
 from drakearm.figures.arm_table import muscle_table
+from drakearm.figures.perturbed_table import perturbed_table
 from drakearm.figures.plan_picture import draw_plan, write_plan_picture
 from drakearm.figures.plan_table import plan_facts, plans_table
 from drakearm.figures.policy_table import metrics_table
@@ -13,6 +14,7 @@ __all__ = [
     "draw_plan",
     "metrics_table",
     "muscle_table",
+    "perturbed_table",
     "plan_facts",
     "plans_table",
     "write_arm_picture",

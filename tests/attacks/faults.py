@@ -35,6 +35,7 @@ from drakearm.learning.checkpoint import Checkpoint
 from drakearm.model import Recording, Reference
 
 SEED = 1
+COMMANDS = ("plan", "train", "evaluate", "replay")
 READERS = {
     ".npz": lambda file: (Reference if file.stem == "reference" else Recording).load(file),
     ".json": lambda file: json.loads(file.read_text()),
@@ -182,7 +183,7 @@ def attack(kills: int, seed: int, show: Console) -> int:
     with tempfile.TemporaryDirectory() as folder:
         target = Attack(Path(folder))
         for number in range(kills):
-            step = list(STEPS)[number % len(STEPS)]
+            step = COMMANDS[number % len(COMMANDS)]
             try:
                 target.kill(step, random.Random(1000 * seed + number))
                 results[step, "fine"] += 1
@@ -192,7 +193,7 @@ def attack(kills: int, seed: int, show: Console) -> int:
             if (number + 1) % 10 == 0:
                 show.print(f"{number + 1} of {kills} kills")
     table = Table("step", "kills", "consistent, went on", "failed")
-    for step in STEPS:
+    for step in COMMANDS:
         fine, failed = results[step, "fine"], results[step, "failed"]
         table.add_row(step, str(fine + failed), str(fine), str(failed))
     show.print(table)

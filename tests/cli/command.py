@@ -7,6 +7,9 @@ from typer.testing import CliRunner
 
 from drakearm.cli import app
 from drakearm.errors import DrakearmError
+from drakearm.experiments.run_folder import STEPS, RunFolder
+
+RUN_FILES = {RunFolder.FILES[name] for step in ("plan", "train", "evaluate", "replay") for name in STEPS[step].files}
 
 
 def drakearm(*arguments, code=0):

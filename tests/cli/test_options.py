@@ -14,6 +14,7 @@ def refusal(*arguments):
 
 SEED = "expected a whole number from 0 to 4294967295"
 BATCHES = "expected a whole number from 1 to 1000000"
+PUSH = "expected a torque, a start and a duration, such as 2,0.3,0.1"
 SECONDS = "expected a number of seconds greater than 0"
 
 
@@ -34,6 +35,16 @@ SECONDS = "expected a number of seconds greater than 0"
         (["plan", "x", "--horizon", "1e400"], "'1e400'", SECONDS),
         (["plan", "x", "--out", ""], "''", "expected a path"),
         (["evaluate", "x", "--out", " "], "' '", "expected a path"),
+        (["evaluate", "x", "--load", "much"], "'much'", "expected a number"),
+        (["evaluate", "x", "--strength", "nan"], "'nan'", "expected a number"),
+        (
+            ["evaluate", "x", "--push", "2,0.3"],
+            "'2,0.3'",
+            PUSH,
+        ),
+        (["evaluate", "x", "--load", "-1"], "-1.0", "expected a number greater than or equal to 0"),
+        (["evaluate", "x", "--sensor-delay", "0.0105"], "0.0105", "expected a whole number of time steps of 0.001 s"),
+        (["evaluate", "x", "--policy", ""], "''", "expected a path"),
         (["inspect", "x", "--out", ""], "''", "expected a path"),
         (["inspect", ""], "''", "expected a name or a path"),
         (["plan", "x", ""], "''", "expected a name or a path"),

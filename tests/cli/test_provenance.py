@@ -6,8 +6,7 @@ import signal
 
 import pytest
 
-from drakearm.experiments import RunFolder
-from tests.cli.command import contents, drakearm, start
+from tests.cli.command import RUN_FILES, contents, drakearm, start
 
 
 def names(run):
@@ -99,4 +98,4 @@ def test_what_a_killed_command_left_is_cleaned_up(run, tiny):
         (run.folder / name).mkdir()
         (run.folder / name / "policy.safetensors").write_bytes(b"half of a policy")
     drakearm("replay", tiny, "--out", run.folder, "--overwrite")
-    assert names(run) == set(RunFolder.FILES.values())
+    assert names(run) == RUN_FILES

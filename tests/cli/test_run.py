@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 import yaml
 
-from drakearm.experiments import RunFolder
 from drakearm.learning import Policy
 from drakearm.model import load_arm
 from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
-from tests.cli.command import drakearm, start
+from tests.cli.command import RUN_FILES, drakearm, start
 
 
 def numbers(out):
@@ -28,7 +27,7 @@ def numbers(out):
 
 def test_run_writes_every_file_and_prints_a_table(finished):
     out, printed = finished
-    assert {file.name for file in out.iterdir()} == set(RunFolder.FILES.values())
+    assert {file.name for file in out.iterdir()} == RUN_FILES
     for part in ("Gauss-Newton", "solution found", "600 steps", "mean error", "shoulder", "elbow", "seed 3", "replay"):
         assert part in printed, part
 
