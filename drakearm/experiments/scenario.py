@@ -61,7 +61,7 @@ class Scenario:
     arm: ArmName = "arm14"  # name of a shipped arm, or a user's folder, relative to the scenario file
     load_mass: Annotated[NonNegative, Field(le=1000.0)] = 0.0  # kg, welded to the hand
     obstacle: Obstacle | None = None  # which the plan avoids
-    success: Annotated[tuple[Success, ...], Field(min_length=1, max_length=20)] = (FOLLOWS,)  # when a run is one
+    success: Annotated[tuple[Success, ...], Field(max_length=20)] = (FOLLOWS,)  # when a run is one
     training: PpoSettings = field(default_factory=PpoSettings)
     preset: Preset = Preset.drakearm
 
