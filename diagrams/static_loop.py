@@ -23,13 +23,16 @@ def MakeStaticLoop(
 ) -> TrackingLoop:
     """The tracking task controlled by `StaticOptimizer`, which knows the task's load; drawn live if a Meshcat is given.
 
-    feedback: how accelerations respond to the tracking error. perturbations: what disturbs the arm and its
-    senses without the controller's knowledge.
+    Where the muscles are too weak, the joints have the priorities of the task's reward. feedback: how accelerations
+    respond to the tracking error. perturbations: what disturbs the arm and its senses without the controller's
+    knowledge.
     """
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph()) if meshcat else None
     systems = AddTrackingTask(builder, task, scene_graph, perturbations)
-    controller = builder.AddNamedSystem("static_optimizer", StaticOptimizer(task.arm, task.load_mass, feedback))
+    controller = builder.AddNamedSystem(
+        "static_optimizer", StaticOptimizer(task.arm, task.load_mass, feedback, priority=task.reward.priority(task.arm))
+    )
     desired = builder.AddNamedSystem("desired_motion", TrajectorySource(task.reference.trajectory(), 2))
     builder.Connect(systems.sensed["arm_state"], controller.GetInputPort("arm_state"))
     builder.Connect(systems.sensed["activation"], controller.GetInputPort("activation"))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drakearm.diagrams import MakePolicyLoop, Perturbation
-from drakearm.experiments.metrics import STOCHASTIC_RUNS, tracking_metrics, versions
+from drakearm.experiments.metrics import STOCHASTIC_RUNS, metrics_of_runs, versions
 from drakearm.experiments.provenance import fingerprint
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.learning import Policy
@@ -50,7 +50,7 @@ def perturb_step(
             "scenario": scenario.name,
             "perturbations": [{"type": one.type, **asdict(one)} for one in perturbations],  # type: ignore[call-overload]
             "policy": fingerprint(file),
-            **tracking_metrics(recordings[0], recordings),
+            **metrics_of_runs("perturbed", task, recordings, scenario.success),
             "seed": SEED,
             "versions": versions(),
         }

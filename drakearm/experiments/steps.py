@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from drakearm.errors import RunFolderError, TrainingError, shown
 from drakearm.experiments.choices import EnvKind, Preset
 from drakearm.experiments.environments import make_training_envs
-from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics, versions
+from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_policy_stochastic, versions
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import Scenario, load_scenario
 from drakearm.figures import write_plan_picture
@@ -22,7 +22,7 @@ from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
-from drakearm.model.recording import Recording
+from drakearm.model.recording import Recording, save_recordings
 from drakearm.model.reference import Reference
 from drakearm.planning import plan
 from drakearm.planning.feasibility import muscle_feasibility
@@ -128,25 +128,26 @@ def train_step(
 
 
 def evaluate_step(run: RunFolder) -> dict[str, Any]:
-    """Runs the policy in closed loop on the Diagram. Writes metrics.json and returns its content."""
+    """Runs the policy in closed loop on the Diagram. Writes its recordings and metrics.json, and returns the latter."""
     with run.locked():
         policy = Policy.load(run.existing("policy", "train"))
         training = run.read_json("training", "train")
         planned = run.read_json("plan", "plan")
         scenario = run.scenario()
         task = _task(run, scenario)
-        recording = run_policy(task, policy)
+        recording, noisy = run_policy(task, policy), run_policy_stochastic(task, policy, training["seed"])
         metrics = {
             "scenario": scenario.name,
-            **tracking_metrics(recording, run_policy_stochastic(task, policy, training["seed"])),
+            "seed": training["seed"],
+            **evaluation_metrics(task, recording, noisy, scenario.success),
             "training_steps": training["steps"],
             "training_seconds": training["seconds"],
             "plan_seconds": planned["seconds"],
-            "seed": training["seed"],
             "versions": versions(),
         }
         with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
             recording.save(new.path("recording"))
+            save_recordings(noisy, new.path("noisy"))
             new.write_record(metrics)
         return metrics
 

@@ -11,7 +11,7 @@ from drakearm.figures.fact_table import fact_table
 
 def perturbed_table(metrics: Mapping[str, Any], joints: Sequence[str]) -> Table:
     """What perturbed.json holds, for a person. joints: names of the arm's coordinates."""
-    runs = metrics["stochastic_runs"]
+    runs = metrics["perturbed"]
     means, ends = np.array(runs["tracking_error_mean"]), np.array(runs["end_error"])
 
     def per_joint(values: np.ndarray) -> str:
@@ -29,6 +29,6 @@ def perturbed_table(metrics: Mapping[str, Any], joints: Sequence[str]) -> Table:
             "mean error (rad)": per_joint(means.mean(axis=0)),
             "mean error of the worst run (rad)": per_joint(means.max(axis=0)),
             "end error (rad)": per_joint(ends.mean(axis=0)),
-            "runs that succeed": f"{metrics['success_rate']:.0%}",
+            **{f"success: {name}": f"{share:.0%}" for name, share in metrics["success_rate"].items()},
         },
     )

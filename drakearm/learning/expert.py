@@ -27,8 +27,8 @@ class StaticExpert:
     """Computed muscle control (Thelen, Anderson and Delp 2003) for the arms of an `ArmVectorEnv`.
 
     It differs from `StaticOptimizer` in two points. It uses the method's forecast: it chooses the excitations for the
-    joint angles that are expected at the end of the control step. And it can aim at another movement than the reference,
-    which `rehearse` finds.
+    joint angles that are expected at the end of the control step. And it can aim at another movement than the
+    reference, which `rehearse` finds.
     """
 
     def __init__(self, tasks: Sequence[TrackingTask], num_envs: int, aims: Sequence[Aim] | None = None) -> None:

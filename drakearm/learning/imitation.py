@@ -41,7 +41,7 @@ def imitate(
     """
     arms = max(ARMS, len(tasks))
     envs, expert = ArmVectorEnv(tasks, arms), StaticExpert(tasks, arms, rehearse(tasks))
-    scaling = InputScaling.none(envs.single_observation_space.shape[0])
+    scaling = InputScaling.none(tasks[0].observation.size)
     learner = Learner(actor, max_grad_norm=1.0)
     generator = torch.Generator().manual_seed(seed)
     all_observations: list[torch.Tensor] = []

@@ -13,9 +13,9 @@ _LEAST_DEVIATION = 0.02  # of an observation, which is near 1: smaller variation
 class InputScaling:
     """Standardizes observations: minus their mean, divided by their standard deviation. Arrays (n_obs,), float32.
 
-    A network learns faster from numbers that all vary by about 1 (LeCun et al. 1998, "Efficient backprop", section 4.3);
-    the fiber lengths of a movement vary by a few percent only. After the training, `fold` puts the scaling into the
-    network, which then takes observations as they are.
+    A network learns faster from numbers that all vary by about 1 (LeCun et al. 1998, "Efficient backprop", section
+    4.3). But the fiber lengths of a movement vary by a few percent only. After the training, `fold` puts the scaling
+    into the network, which then takes observations as they are.
     """
 
     mean: np.ndarray

@@ -1,8 +1,8 @@
 """Rehearsal: the expert repeats a movement and corrects what it aims at, until the arm follows the reference.
 
 Static optimization neglects that forces lag behind activations while tendons stretch, so the arm errs in the same way
-in every repetition. Iterative learning control (Arimoto, Kawamura and Miyazaki 1984) removes such errors: the expert aims
-at the reference minus the errors of all earlier repetitions.
+in every repetition. Iterative learning control (Arimoto, Kawamura and Miyazaki 1984) removes such errors: the expert
+aims at the reference minus the errors of all earlier repetitions.
 """
 
 from collections.abc import Sequence
@@ -35,11 +35,11 @@ def rehearse(tasks: Sequence[TrackingTask]) -> list[Aim]:
     """What the expert aims at in each task: of all repetitions, the aim that brought the largest sum of rewards."""
     tasks = [replace(task, start=_WithoutNoise(task.start)) for task in tasks]
     envs, expert = ArmVectorEnv(tasks, len(tasks)), StaticExpert(tasks, len(tasks))
-    best, most = list(expert.aims), np.full(len(tasks), -np.inf)
+    best, most = [*expert.aims], np.full(len(tasks), -np.inf)
     corrections = [np.zeros_like(task.reference.q) for task in tasks]
     for _ in range(REPETITIONS):
         errors, returns = _repeat(envs, expert)
-        for k in np.flatnonzero(returns > most):
+        for k in np.flatnonzero(returns > most).tolist():
             best[k], most[k] = expert.aims[k], returns[k]
         corrections = [
             correction - np.vstack([error[_LEAD:], np.repeat(error[-1:], _LEAD, axis=0)])

@@ -73,9 +73,9 @@ def _smallest_controls(gain, desired, reserve_weight, lower, x):
     """Writes the x (n,) in [lower, 1] with the least |x|^2 + sum_j reserve_weight_j (desired - x gain)_j^2.
 
     gain: (n, n_q). desired, reserve_weight: (n_q,). The method is Newton's on the dual problem, in which only n_q
-    numbers p are unknown: x = clip(gain p, lower, 1), and p is reserve_weight times the reserve torque. The dual cost is
-    convex and its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method converges
-    from every start.
+    numbers p are unknown: x = clip(gain p, lower, 1), and p is reserve_weight times the reserve torque. The dual cost
+    is convex and its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method
+    converges from every start.
 
     Matrix products are written as loops. BLAS would give last bits that depend on the position of the arrays in memory.
     """
@@ -141,10 +141,10 @@ def static_activations(q, v, tau, guess, priority, muscles, paths):
 
     The reserve torques (n_q,), Nm, are what the muscles lack to exert tau. q, v: joint angles and speeds (n_q,). guess:
     activations (n,) to start from. priority: (n_q,), from 0 to 1, of the joints. Activations stay in
-    [minimum_activation, 1]. If these cannot exert tau, the squares of the reserve torques, weighted with the priorities,
-    are as small as possible. Muscle forces are not linear in the activation, because it also changes the fiber
-    velocity and stretches the tendon. So a few rounds linearize the muscles around the present activations and solve a
-    small quadratic program, until the activations do not change any more.
+    [minimum_activation, 1]. If these cannot exert tau, the sum of the squared reserve torques, weighted with the
+    priorities, is as small as possible. Muscle forces are not linear in the activation, because it also changes the
+    fiber velocity and stretches the tendon. So a few rounds linearize the muscles around the present activations and
+    solve a small quadratic program, until the activations do not change any more.
     """
     n, n_q = len(muscles), len(q)
     length, moment_arm = muscle_geometry(q, muscles, paths)

@@ -33,9 +33,9 @@ class Reward(Kind):
         """Raises TaskError if the reward does not fit the arm. By default, every reward fits every arm."""
 
     def priority(self, arm: Arm) -> np.ndarray:
-        """The priority (n_q,) of each joint, from 0 to 1. Static optimization sacrifices a joint with a lower one first.
+        """The priority (n_q,) of each joint, from 0 to 1, in static optimization. By default all joints are alike.
 
-        It matters only where the muscles are too weak for all joints. By default all joints are alike.
+        It matters where the muscles are too weak for all joints: a joint with a lower priority lacks more torque.
         """
         return np.ones(len(arm.coordinates))
 

@@ -11,12 +11,20 @@ from typing import Any
 import numpy as np
 
 from drakearm.errors import RunFolderError
-from drakearm.experiments import RunFolder, evaluate_step, load_scenario, make_task_env, replay_step, tracking_metrics
+from drakearm.experiments import (
+    RunFolder,
+    evaluate_step,
+    evaluation_metrics,
+    load_scenario,
+    make_task_env,
+    replay_step,
+    run_metrics,
+)
 from drakearm.files import read_json
 from drakearm.learning import ArmVectorEnv, Policy
 from drakearm.model import load_arm
 from drakearm.model.equilibrium import find_equilibrium
-from drakearm.model.recording import Recording
+from drakearm.model.recording import Recording, load_recordings
 from drakearm.model.reference import Reference
 from drakearm.planning import plan
 from drakearm.task import LOOKAHEAD
@@ -89,9 +97,18 @@ def use_reference(folder: Path) -> Any:
 
 def use_recording(folder: Path) -> Any:
     """Computes the metrics of a recording."""
+    scenario = load_scenario(folder / "scenario.yaml")
     recording = Recording.load(folder / "run" / "recording.npz")
     recording.check(load_arm(folder / "arm"))
-    return tracking_metrics(recording, [recording])
+    return run_metrics(scenario.task(_reference(folder)), recording, scenario.success)
+
+
+def use_recordings(folder: Path) -> Any:
+    """Computes the metrics of the runs with noise."""
+    scenario = load_scenario(folder / "scenario.yaml")
+    recordings = load_recordings(folder / "run" / "noisy.npz")
+    recordings[0].check(load_arm(folder / "arm"))
+    return evaluation_metrics(scenario.task(_reference(folder)), recordings[0], recordings, scenario.success)
 
 
 def use_policy(folder: Path) -> Any:
@@ -129,7 +146,8 @@ def targets() -> dict[str, Target]:
         Target("muscles", "arm/muscles.yaml", use_arm, 0.2),
         Target("skeleton", "arm/skeleton.urdf", use_arm, 0.12),
         Target("reference", "run/reference.npz", use_reference, 0.12),
-        Target("recording", "run/recording.npz", use_recording, 0.07),
+        Target("recording", "run/recording.npz", use_recording, 0.04),
+        Target("noisy", "run/noisy.npz", use_recordings, 0.03),
         Target("policy", "run/policy.safetensors", use_policy, 0.13),
         Target("plan", "run/plan.json", use_json("plan.json"), 0.02),
         Target("training", "run/training.json", use_json("training.json"), 0.02),
