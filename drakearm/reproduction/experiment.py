@@ -1,7 +1,7 @@
 """The seam for experiments: which trials one consists of, and how its outcomes are shown."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from matplotlib.figure import Figure
 

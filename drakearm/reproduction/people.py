@@ -5,7 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-PEOPLE = {"single_peaked_under_1.2s": "one peak, under 1.2 s", "under_1s": "under 1 s"}  # groups of trials, for a reader
+PEOPLE = {
+    "single_peaked_under_1.2s": "one peak, under 1.2 s",
+    "under_1s": "under 1 s",
+}  # groups of trials, for a reader
 _FOLDER = Path(__file__).parent / "people"
 
 

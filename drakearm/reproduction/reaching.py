@@ -75,9 +75,10 @@ class Reaching(Experiment):
     name = "reaching"
     title = "Centre-out reaching"
     text = (
-        "The hand reaches from the middle to each of eight targets that are 10 cm away. Each movement has a policy of its own, which runs "
-        "10 times with noise. A speed profile is cut at 5 % of its peak. It is compared with the straight movement "
-        "of least jerk (Flash and Hogan 1985) and with seven people. What one person reaches against the others is the ceiling."
+        "The hand reaches from the middle to each of eight targets that are 10 cm away. Each movement has a policy of "
+        "its own, which runs 10 times with noise. A speed profile is cut at 5 % of its peak. It is compared with the "
+        "straight movement of least jerk (Flash and Hogan 1985) and with seven people. What one person reaches against "
+        "the others is the ceiling. The hand paths are those of the first seed."
     )
 
     def trials(self, seeds: int) -> list[Trial]:
@@ -93,9 +94,7 @@ class Reaching(Experiment):
             }
 
         def per_seed(measure: Callable[[Reaches], float]) -> dict[Method, Spread]:
-            return {
-                method: Spread([[measure(reaches)] for reaches in seeds], 3) for method, seeds in measured.items()
-            }
+            return {method: Spread([[measure(reaches)] for reaches in seeds], 3) for method, seeds in measured.items()}
 
         success = {
             method: Share([[run.success for run in reaches.runs] for reaches in seeds])
@@ -112,7 +111,9 @@ class Reaching(Experiment):
             Row("reaches that end within 10 % of the amplitude", success, "89 %"),
             Row("distance of the hand from the target at the end (cm)", per_run(lambda r: 100 * r.hand.end_error, 2)),
             Row("speed of the hand at the end (cm/s)", per_run(lambda r: 100 * r.hand.speed[-1], 2), "at rest"),
-            Row("mean, correlation with minimum jerk", per_seed(lambda r: correlation(r.mean, jerk.speed)), group=shape),
+            Row(
+                "mean, correlation with minimum jerk", per_seed(lambda r: correlation(r.mean, jerk.speed)), group=shape
+            ),
             *(
                 Row(
                     f"mean, correlation with people ({p.label})",

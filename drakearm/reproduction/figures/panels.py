@@ -42,18 +42,9 @@ def label_panel(panel: Axes, title: str = "", x: str = "", y: str = "") -> None:
     panel.tick_params(labelsize=FONT)
 
 
-def legend_below(figure: Figure, handles: Sequence[Any], bottom: float = 0.005) -> None:
+def legend_below(figure: Figure, handles: Sequence[Any], columns: int) -> None:
     """A legend at the bottom of the figure, where it covers nothing."""
-    labels = len(handles)
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        bbox_to_anchor=(0.5, bottom),
-        ncols=min(labels, 5),
-        fontsize=FONT,
-        frameon=False,
-        handlelength=2.6,
-    )
+    figure.legend(handles=handles, loc="lower center", ncols=columns, fontsize=FONT, frameon=False, handlelength=2.6)
 
 
 def method_keys(methods: Sequence[Method]) -> list[Line2D]:
