@@ -22,7 +22,7 @@ from drakearm.reproduction.rows import Row
 from drakearm.reproduction.trial import Outcome, Trial
 
 LOADS = (1, 2, 5, 10, 20)  # kg
-LIFTED = 0.1  # rad: a joint that ends closer to its target is a success
+LIFTED = 0.1  # rad: a joint does its part if its error is smaller, in the mean and at the end
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,10 @@ class Weighting:
         return f"lift-{load}kg{self.ending}"
 
 
-WEIGHTINGS = (Weighting("elbow and shoulder weighted (1, 1)", ""), Weighting("(1, 0.2)", "-elbow"))
+WEIGHTINGS = (
+    Weighting("elbow and shoulder weighted (1, 1)", ""),
+    Weighting("elbow and shoulder weighted (1, 0.2)", "-elbow"),
+)
 
 
 def flexor_load(outcome: Outcome, run: Recording) -> float:
@@ -63,10 +66,10 @@ class Lifting(Experiment):
     title = "Weight lifting"
     text = (
         "The elbow bends by 90 degrees in 0.7 s with 1, 2, 5, 10 or 20 kg in the hand, 10 times with noise. The reward "
-        "weighs both joints alike, or the shoulder by 0.2. The muscle load is the share of the time that a muscle is active "
-        "above 80 %, mean over the flexors or the extensors of the elbow. 2 kg lie at the limit of strength: static "
-        "optimization needs full activation, and a start that is 1 degree off can make the lift fail. Beyond "
-        "it no excitations can follow the plan."
+        "weighs both joints alike, or the shoulder by 0.2. The muscle load is the share of the time that a muscle is "
+        "active above 80 %, mean over the flexors or the extensors of the elbow. 2 kg lie at the limit of strength: "
+        "static optimization needs full activation, and a start that is 1 degree off can make the lift fail. Where "
+        "muscles lack torque, no excitations can follow the plan."
     )
 
     def trials(self, seeds: int) -> list[Trial]:
@@ -98,27 +101,31 @@ def _movement_rows(weighting: Weighting, load: int, outcomes: Sequence[Outcome])
     joints = outcomes[0].task.arm.coordinates
     elbow = joints.index("elbow")
 
-    def end_errors(run: Recording) -> np.ndarray:
-        return np.abs(run.q[-1] - run.reference_q[-1])
+    def errors(run: Recording) -> np.ndarray:
+        return np.abs(run.q - run.reference_q)
+
+    def lifts(run: Recording) -> np.ndarray:
+        """Whether each joint follows the plan, (n_q,)."""
+        return (errors(run).mean(axis=0) < LIFTED) & (errors(run)[-1] < LIFTED)
 
     group = f"{load} kg, {weighting.label}: {lacking_torque(outcomes[0])}"
     lifted = "lifted" if load <= 5 else "not lifted"
     return [
         Row(
-            f"lifted: the elbow ends within {LIFTED} rad of its target",
-            shares(outcomes, noisy(lambda o, run: bool(end_errors(run)[elbow] < LIFTED))),
+            f"lifted by the elbow: its mean and end errors are below {LIFTED} rad",
+            shares(outcomes, noisy(lambda o, run: bool(lifts(run)[elbow]))),
             lifted,
             group=group,
         ),
         Row(
-            "both joints do",
-            shares(outcomes, noisy(lambda o, run: bool(end_errors(run).max() < LIFTED))),
+            "lifted, and the shoulder is still",
+            shares(outcomes, noisy(lambda o, run: bool(lifts(run).all()))),
             group=group,
         ),
         *(
             Row(
                 f"error of the {joint} at the end (rad)",
-                spreads(outcomes, noisy(lambda o, run, j=j: end_errors(run)[j])),
+                spreads(outcomes, noisy(lambda o, run, j=j: errors(run)[-1, j])),
                 group=group,
             )
             for j, joint in enumerate(joints)

@@ -40,8 +40,8 @@ class Timing(Experiment):
     title = "Precise timing"
     text = (
         "The elbow bends from 0 to 90 degrees in 0.4, 0.5, 0.6 or 0.7 s while the upper arm stays still. Each movement "
-        "runs 10 times with noise and 12 times with the perturbations of its scenario file: of the starting posture, of "
-        "the activations at the start, and of the excitations."
+        "runs 10 times with noise and 12 times with the perturbations of its scenario file: of the starting posture, "
+        "of the activations at the start, and of the excitations."
     )
 
     def trials(self, seeds: int) -> list[Trial]:

@@ -27,6 +27,9 @@ from drakearm.reproduction.muscle_load import muscle_groups
 from drakearm.reproduction.trial import Outcome
 
 Movements = Mapping[str, Sequence[Outcome]]
+_DARK = "#333333"
+_ELBOW = {"facecolor": _DARK, "edgecolor": _DARK}
+_SHOULDER = {"facecolor": "white", "edgecolor": _DARK, "hatch": "////"}
 _SATURATED = 80  # %, muscle load of the flexors with 10 kg and more, in the paper
 
 
@@ -102,13 +105,14 @@ def draw_muscle_load(movements: Movements) -> Figure:
         _draw_lacking(below, found)
         label_panel(below, "", "weight in the hand (kg)", "" if k else "lacking torque (Nm)")
     methods = _methods(movements)
+    dot = {"color": _DARK, "marker": "o", "markersize": 5, "linestyle": ""}
     kinds = [
-        Line2D([], [], color="#333333", marker="o", markersize=5, linestyle="", label="flexors"),
-        Line2D([], [], color="#333333", marker="o", markersize=5, markerfacecolor="white", linestyle="", label="extensors"),
+        Line2D([], [], label="flexors", **dot),
+        Line2D([], [], label="extensors", markerfacecolor="white", **dot),
         Line2D([], [], label="the paper: flexors saturate near 80 %", **PAPER),
-        Patch(facecolor="#333333", label="static strength: the elbow lacks"),
-        Patch(facecolor="white", edgecolor="#333333", hatch="////", label="the shoulder lacks"),
-    ]  # fmt: skip
+        Patch(label="static strength: the elbow lacks", **_ELBOW),
+        Patch(label="static strength: the shoulder lacks", **_SHOULDER),
+    ]
     legend_below(figure, [*method_keys(methods), *kinds], columns=3)
     return figure
 
@@ -135,10 +139,8 @@ def _draw_lacking(panel: Axes, found: Mapping[int, Sequence[Outcome]]) -> None:
     for load, outcomes in found.items():
         feasibility = outcomes[0].feasibility
         lacking = dict(zip(feasibility.coordinates, np.abs(feasibility.reserve).max(axis=0), strict=True))
-        panel.bar(load - 0.2, lacking["elbow"], 0.36, color="#333333")
-        panel.bar(
-            load + 0.2, lacking["shoulder"], 0.36, facecolor="white", edgecolor="#333333", hatch="////", linewidth=0.8
-        )
+        panel.bar(load - 0.2, lacking["elbow"], 0.36, **_ELBOW)
+        panel.bar(load + 0.2, lacking["shoulder"], 0.36, **_SHOULDER)
 
 
 def draw_activations(movements: Movements) -> Figure:
@@ -174,7 +176,13 @@ def _draw_raster(panel: Axes, outcomes: Sequence[Outcome]):
     activation = np.mean([run.activation[:, order] for outcome in outcomes for run in outcome.noisy], axis=0)
     end = outcomes[0].noisy[0].t[-1]
     image = panel.imshow(
-        activation.T, aspect="auto", cmap="cividis", vmin=0.0, vmax=1.0, extent=(0.0, end, len(order) - 0.5, -0.5)
+        activation.T,
+        aspect="auto",
+        interpolation="nearest",
+        cmap="cividis",
+        vmin=0.0,
+        vmax=1.0,
+        extent=(0.0, end, len(order) - 0.5, -0.5),
     )
     panel.axhline(len(groups.flexors) - 0.5, color="white", linewidth=2.0)
     panel.set_yticks(range(len(order)), [task.arm.muscle_names[i] for i in order])
