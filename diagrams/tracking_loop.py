@@ -11,7 +11,20 @@ from drakearm.diagrams.muscle_arm import MakeSimulator
 from drakearm.diagrams.tracking_task import TaskSystems
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.skeleton import hand_motion
 from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
+
+_OF_MUSCLES = (  # outputs of HillMuscles that are recorded
+    "activation",
+    "fiber_length",
+    "fiber_velocity",
+    "tendon_force",
+    "mtu_length",
+    "joint_moment",
+    "fiber_power",
+    "tendon_power",
+    "metabolic_power",
+)
 
 
 @dataclass(frozen=True)
@@ -34,14 +47,18 @@ class TrackingLoop:
         simulator.AdvanceTo(self.systems.task.reference.duration)
         logs = {name: log.FindLog(context) for name, log in self.logs.items()}
         data = {name: log.data().T.copy() for name, log in logs.items()}
-        n_q = len(self.systems.task.arm.coordinates)
-        arm_state = data.pop("arm_state")
+        arm, t = self.systems.task.arm, logs["reward"].sample_times().copy()
+        q, v = np.split(data.pop("arm_state"), 2, axis=1)
+        p_WH, v_WH = hand_motion(self.systems.arm.plant, arm, q, v)
         return Recording(
-            t=logs["reward"].sample_times().copy(),
-            q=arm_state[:, :n_q],
-            v=arm_state[:, n_q:],
+            t=t,
+            q=q,
+            v=v,
             reference_q=self.systems.task.reference.q[first:],
             reference_v=self.systems.task.reference.v[first:],
+            joint_moment=data.pop("joint_moment").reshape(len(t), len(arm.muscles), len(arm.coordinates)),
+            p_WH=p_WH,
+            v_WH=v_WH,
             reward=data.pop("reward")[:, 0],
             **data,
         )
@@ -66,7 +83,7 @@ def close_loop(
         "arm_state": systems.arm.plant.get_state_output_port(),
         "reward": systems.reward.GetOutputPort("reward"),
         "excitation": excitation,
-    } | {name: muscles.GetOutputPort(name) for name in ("activation", "fiber_length", "fiber_velocity", "tendon_force")}
+    } | {name: muscles.GetOutputPort(name) for name in _OF_MUSCLES}
     logs = {name: LogVectorOutput(port, builder, CONTROL_STEP) for name, port in ports.items()}
     if meshcat:
         MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)

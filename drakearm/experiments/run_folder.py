@@ -41,7 +41,7 @@ STEPS = {  # in the order of a run
     "train": Step(
         ("scenario", "arm", "reference"), ("policy", "training", "training_log"), "training", ("checkpoint",)
     ),
-    "evaluate": Step(("scenario", "arm", "reference", "policy"), ("metrics", "recording"), "metrics"),
+    "evaluate": Step(("scenario", "arm", "reference", "policy"), ("metrics", "recording", "noisy"), "metrics"),
     "replay": Step(("scenario", "arm", "recording"), ("replay",), "replay"),  # as a comment in the page
 }
 
@@ -60,7 +60,8 @@ class RunFolder:
         "policy": "policy.safetensors",  # the trained Policy
         "training_log": "training.csv",  # one row per batch
         "training": "training.json",  # seed, steps, seconds
-        "recording": "recording.npz",  # Recording of the deterministic run
+        "recording": "recording.npz",  # Recording of the run without noise
+        "noisy": "noisy.npz",  # Recordings of the runs with noise, see `load_recordings`
         "metrics": "metrics.json",
         "replay": "replay.html",
     }

@@ -21,7 +21,7 @@ from drakearm.learning import BatchReport, Policy, PpoSettings, imitate, train
 from drakearm.learning.policy import Actor
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
-from drakearm.model.recording import Recording
+from drakearm.model.recording import Recording, save_recordings
 from drakearm.model.reference import Reference
 from drakearm.planning import plan
 from drakearm.planning.feasibility import muscle_feasibility
@@ -127,17 +127,17 @@ def train_step(
 
 
 def evaluate_step(run: RunFolder) -> dict[str, Any]:
-    """Runs the policy in closed loop on the Diagram. Writes metrics.json and returns its content."""
+    """Runs the policy in closed loop on the Diagram. Writes its recordings and metrics.json, and returns the latter."""
     with run.locked():
         policy = Policy.load(run.existing("policy", "train"))
         training = run.read_json("training", "train")
         planned = run.read_json("plan", "plan")
         scenario = run.scenario()
         task = _task(run, scenario)
-        recording = run_policy(task, policy)
+        recording, noisy = run_policy(task, policy), run_policy_stochastic(task, policy, training["seed"])
         metrics = {
             "scenario": scenario.name,
-            **tracking_metrics(recording, run_policy_stochastic(task, policy, training["seed"])),
+            **tracking_metrics(recording, noisy),
             "training_steps": training["steps"],
             "training_seconds": training["seconds"],
             "plan_seconds": planned["seconds"],
@@ -146,6 +146,7 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
         }
         with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
             recording.save(new.path("recording"))
+            save_recordings(noisy, new.path("noisy"))
             new.write_record(metrics)
         return metrics
 

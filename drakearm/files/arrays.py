@@ -7,7 +7,7 @@ file. The size of an array is checked before its numbers are read, so that a sma
 import math
 import typing
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any, TypeVar
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile, ZipInfo
@@ -21,6 +21,7 @@ from drakearm.files.writing import replacement
 
 T = TypeVar("T")
 _LARGEST_FILE = 64_000_000  # bytes, of the file and of all arrays that it holds
+_LARGEST_STACK = 4 * _LARGEST_FILE  # of a file that holds several dataclasses
 _LONGEST_HEADER = 1000  # characters, of an array's type and shape
 
 
@@ -28,22 +29,35 @@ _LONGEST_HEADER = 1000  # characters, of an array's type and shape
 class Layout:
     """The shape of an array, and the range of its values.
 
-    axes: the names of the axes. Axes of the same name have the same length in all arrays of a file.
+    axes: the names of the axes, or their lengths. Axes of the same name have the same length in all arrays of a file.
     """
 
-    axes: tuple[str, ...]
+    axes: tuple[str | int, ...]
     least: float = -LARGEST
     most: float = LARGEST
 
+    def allows(self, shape: tuple[int, ...]) -> bool:
+        """Whether a shape has the number of axes and the lengths that are fixed."""
+        if len(shape) != len(self.axes):
+            return False
+        return all(isinstance(axis, str) or axis == length for axis, length in zip(self.axes, shape, strict=True))
+
     def __str__(self) -> str:
-        return f"({', '.join(self.axes)}{',' * (len(self.axes) == 1)})"
+        return f"({', '.join(map(str, self.axes))}{',' * (len(self.axes) == 1)})"
 
 
 def save_arrays(instance: Any, file: Path) -> None:
     """Writes every field of a dataclass of arrays into a compressed .npz. Raises StorageError, see `replacement`."""
-    arrays = {name: getattr(instance, name) for name in _layouts(type(instance))}
-    with replacement(file) as partial, partial.open("wb") as stream:  # to a path, NumPy would append .npz
-        np.savez_compressed(stream, **arrays)
+    _save({name: getattr(instance, name) for name in _layouts(type(instance))}, file)
+
+
+def save_stack(instances: Sequence[Any], file: Path) -> None:
+    """Writes at least one dataclass of arrays into a compressed .npz, where a new first axis is the instance.
+
+    Raises StorageError, see `replacement`, and ValueError if the shapes of the instances differ.
+    """
+    names = _layouts(type(instances[0]))
+    _save({name: np.stack([getattr(instance, name) for instance in instances]) for name in names}, file)
 
 
 def load_arrays(cls: type[T], file: Path) -> T:
@@ -51,24 +65,39 @@ def load_arrays(cls: type[T], file: Path) -> T:
 
     Raises RunFolderError if the file is missing or damaged, or if an array does not have the layout of its field.
     """
-    layouts = _layouts(cls)
+    return cls(**_load(_layouts(cls), file, _LARGEST_FILE))
+
+
+def load_stack(cls: type[T], file: Path) -> list[T]:
+    """Reads what `save_stack` wrote. Raises RunFolderError as `load_arrays` does."""
+    layouts = {name: replace(layout, axes=("runs", *layout.axes)) for name, layout in _layouts(cls).items()}
+    stack = _load(layouts, file, _LARGEST_STACK)
+    return [cls(**{name: array[i] for name, array in stack.items()}) for i in range(len(next(iter(stack.values()))))]
+
+
+def _save(arrays: dict[str, Any], file: Path) -> None:
+    with replacement(file) as partial, partial.open("wb") as stream:  # to a path, NumPy would append .npz
+        np.savez_compressed(stream, **arrays)
+
+
+def _load(layouts: dict[str, Layout], file: Path, largest: int) -> dict[str, np.ndarray]:
+    """The arrays of a file of at most this size, which have these layouts. Raises RunFolderError."""
     what = f"expected an .npz with the arrays {', '.join(layouts)}"
     try:
         if not file.is_file():
             raise RunFolderError(f"There is no file {shown(file)}: {what}.")
-        if file.stat().st_size > _LARGEST_FILE:
-            raise RunFolderError(f"{shown(file)} is larger than {_LARGEST_FILE // 1_000_000} MB: {what}.")
+        if file.stat().st_size > largest:
+            raise RunFolderError(f"{shown(file)} is larger than {largest // 1_000_000} MB: {what}.")
         with ZipFile(file) as archive:
-            arrays = _read(archive, layouts, file)
+            arrays = _read(archive, layouts, file, largest)
     except RunFolderError:
         raise
     except Exception as error:  # for damaged bytes, zipfile, zlib and NumPy raise errors of a dozen types
         raise RunFolderError(f"{shown(file)} is damaged: {what}.") from error
-    loaded = cls(**arrays)
-    problem = array_problem(loaded)
+    problem = _problem(layouts, arrays)
     if problem:
         raise RunFolderError(f"{shown(file)}: {problem}.")
-    return loaded
+    return arrays
 
 
 def array_problem(instance: Any, names: Sequence[str] | None = None) -> str | None:
@@ -77,11 +106,15 @@ def array_problem(instance: Any, names: Sequence[str] | None = None) -> str | No
     names: of the arrays that are checked; by default all.
     """
     layouts = {name: layout for name, layout in _layouts(type(instance)).items() if names is None or name in names}
-    problem = _shape_problem(layouts, {name: np.shape(getattr(instance, name)) for name in layouts})
+    return _problem(layouts, {name: np.asarray(getattr(instance, name)) for name in layouts})
+
+
+def _problem(layouts: dict[str, Layout], arrays: dict[str, np.ndarray]) -> str | None:
+    problem = _shape_problem(layouts, {name: array.shape for name, array in arrays.items()})
     if problem:
         return problem
     for name, layout in layouts.items():
-        array = np.asarray(getattr(instance, name))
+        array = arrays[name]
         if not np.issubdtype(array.dtype, np.floating) and not np.issubdtype(array.dtype, np.integer):
             return f"{name}: found an array of {shown(array.dtype.str)}, expected numbers"
         good = (array >= layout.least) & (array <= layout.most)  # false where the array is NaN
@@ -99,10 +132,10 @@ def _layouts(cls: type) -> dict[str, Layout]:
 
 
 def _shape_problem(layouts: dict[str, Layout], shapes: dict[str, tuple[int, ...]]) -> str | None:
-    lengths: dict[str, tuple[int, str]] = {}  # of each axis, and the array that gave it
+    lengths: dict[str | int, tuple[int, str]] = {}  # of each axis with a name, and the array that gave it
     for name, layout in layouts.items():
         shape = shapes[name]
-        if len(shape) != len(layout.axes):
+        if not layout.allows(shape):
             return f"{name}: found an array of the shape {shown(shape)}, expected {layout}"
         for axis, length in zip(layout.axes, shape, strict=True):
             expected, other = lengths.setdefault(axis, (length, name))
@@ -113,7 +146,7 @@ def _shape_problem(layouts: dict[str, Layout], shapes: dict[str, tuple[int, ...]
     return None
 
 
-def _read(archive: ZipFile, layouts: dict[str, Layout], file: Path) -> dict[str, np.ndarray]:
+def _read(archive: ZipFile, layouts: dict[str, Layout], file: Path, largest: int) -> dict[str, np.ndarray]:
     """The arrays of an .npz. Raises RunFolderError, and any error at all if the archive is damaged."""
     members = [member.filename.removesuffix(".npy") for member in archive.infolist()]
     for name in layouts:
@@ -125,8 +158,8 @@ def _read(archive: ZipFile, layouts: dict[str, Layout], file: Path) -> dict[str,
             raise RunFolderError(f"{shown(file)}: found the array {shown(name)}, expected only {', '.join(layouts)}.")
     infos = dict(zip(members, archive.infolist(), strict=True))
     size = sum(info.file_size for info in infos.values())
-    if size > _LARGEST_FILE:
-        raise RunFolderError(f"{shown(file)} holds {size:.2g} bytes: expected at most {_LARGEST_FILE:.2g}.")
+    if size > largest:
+        raise RunFolderError(f"{shown(file)} holds {size:.2g} bytes: expected at most {largest:.2g}.")
     return {name: _read_array(archive, infos[name], name, file) for name in layouts}
 
 

@@ -9,7 +9,7 @@ from drakearm.model.loader import load_arm
 from drakearm.model.motion import Motion
 from drakearm.model.musculature import RESTING_ACTIVATION
 from drakearm.model.obstacle import Obstacle
-from drakearm.model.recording import Recording
+from drakearm.model.recording import Recording, load_recordings, save_recordings
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.model.torque_arm import MakeTorqueArm
 
@@ -31,4 +31,6 @@ __all__ = [
     "find_equilibrium",
     "inspect_arm",
     "load_arm",
+    "load_recordings",
+    "save_recordings",
 ]

@@ -1,5 +1,9 @@
-"""A recording: the motion of an arm and its muscles in one closed-loop run, sampled at the control steps."""
+"""A recording: the motion of an arm and its muscles in one closed-loop run, sampled at the control steps.
 
+One file holds one recording, or the recordings of several runs.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +11,7 @@ from typing import Annotated
 import numpy as np
 
 from drakearm.errors import RunFolderError, shown
-from drakearm.files.arrays import Layout, load_arrays, save_arrays
+from drakearm.files.arrays import Layout, load_arrays, load_stack, save_arrays, save_stack
 from drakearm.model.arm import Arm
 from drakearm.model.reference import CONTROL_STEP, time_problem
 
@@ -15,14 +19,16 @@ _LARGEST_ANGLE, _LARGEST_SPEED = 1e3, 1e6  # rad, rad/s: an arm that is out of c
 _Angles = Annotated[np.ndarray, Layout(("N", "n_q"), -_LARGEST_ANGLE, _LARGEST_ANGLE)]
 _Speeds = Annotated[np.ndarray, Layout(("N", "n_q"), -_LARGEST_SPEED, _LARGEST_SPEED)]
 _PerMuscle = Annotated[np.ndarray, Layout(("N", "n"))]
+_InWorld = Annotated[np.ndarray, Layout(("N", 3))]
 
 
 @dataclass(frozen=True)
 class Recording:
     """Samples at times t (N,), in SI units and radians, of n_q joints and n muscles.
 
-    q, v, reference_q, reference_v: (N, n_q). excitation, activation, fiber_length, fiber_velocity, tendon_force: (N,
-    n). reward: (N,). The excitation of a sample was held during the control step that ends at the time of the sample.
+    q, v, reference_q, reference_v: (N, n_q). p_WH, v_WH: (N, 3). joint_moment: (N, n, n_q). reward: (N,). All others:
+    (N, n), as `HillMuscles` describes them. The excitation of a sample was held during the control step that ends at
+    the time of the sample.
     """
 
     t: Annotated[np.ndarray, Layout(("N",))]
@@ -35,7 +41,24 @@ class Recording:
     fiber_length: Annotated[np.ndarray, Layout(("N", "n"), 0.0, 10.0)]
     fiber_velocity: _PerMuscle
     tendon_force: _PerMuscle
+    mtu_length: _PerMuscle  # of the whole path
+    joint_moment: Annotated[np.ndarray, Layout(("N", "n", "n_q"))]  # of each muscle at each joint
+    fiber_power: _PerMuscle
+    tendon_power: _PerMuscle
+    metabolic_power: _PerMuscle
+    p_WH: _InWorld  # of the tip of the hand
+    v_WH: _InWorld
     reward: Annotated[np.ndarray, Layout(("N",))]
+
+    @property
+    def muscle_torque(self) -> np.ndarray:
+        """The generalized force (N, n_q), Nm, of all muscles on the joints."""
+        return self.joint_moment.sum(axis=1)
+
+    @property
+    def hand_speed(self) -> np.ndarray:
+        """(N,), m/s, of the tip of the hand."""
+        return np.linalg.norm(self.v_WH, axis=1)
 
     def check(self, arm: Arm) -> None:
         """Raises RunFolderError if this is not a recording of the arm."""
@@ -54,8 +77,24 @@ class Recording:
     def load(cls, file: Path) -> "Recording":
         """Reads what `save` wrote. Raises RunFolderError if the file is missing or damaged, or is no recording."""
         loaded = load_arrays(cls, file)
-        start = max(0.0, CONTROL_STEP * round(loaded.t[0] / CONTROL_STEP))  # an episode may start later than at 0
-        problem = time_problem(loaded.t, start)
+        loaded._check_times(file)
+        return loaded
+
+    def _check_times(self, file: Path) -> None:
+        start = max(0.0, CONTROL_STEP * round(self.t[0] / CONTROL_STEP))  # an episode may start later than at 0
+        problem = time_problem(self.t, start)
         if problem:
             raise RunFolderError(f"{shown(file)}: {problem}.")
-        return loaded
+
+
+def save_recordings(recordings: Sequence[Recording], file: Path) -> None:
+    """Writes recordings of the same length and arm into one .npz. Raises StorageError if it cannot be written."""
+    save_stack(recordings, file)
+
+
+def load_recordings(file: Path) -> list[Recording]:
+    """Reads what `save_recordings` wrote. Raises RunFolderError as `Recording.load` does."""
+    recordings = load_stack(Recording, file)
+    for recording in recordings:
+        recording._check_times(file)
+    return recordings

@@ -1,4 +1,4 @@
-"""The skeleton, an arm's bodies and joints: puts it into a MultibodyPlant, and gives the joint torques that move it."""
+"""The skeleton, an arm's bodies and joints: puts it into a MultibodyPlant, gives its joint torques and its hand."""
 
 import math
 
@@ -55,6 +55,18 @@ def movement_torques(plant: MultibodyPlant, q: np.ndarray, v: np.ndarray, a: np.
         plant.SetVelocities(context, v[k])
         torques[k] = inverse_dynamics(plant, context, a[k])
     return torques
+
+
+def hand_motion(plant: MultibodyPlant, arm: Arm, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The tip of the hand in the world: p_WH, m, and v_WH, m/s, each (N, 3), at q, rad, and v, rad/s, each (N, n_q)."""
+    context, tip = plant.CreateDefaultContext(), plant.GetFrameByName(arm.tip_frame)
+    p_WH, v_WH = np.empty((2, len(q), 3))
+    for k in range(len(q)):
+        plant.SetPositions(context, q[k])
+        plant.SetVelocities(context, v[k])
+        p_WH[k] = tip.CalcPoseInWorld(context).translation()
+        v_WH[k] = tip.CalcSpatialVelocityInWorld(context).translational()
+    return p_WH, v_WH
 
 
 def gravity_torque(plant: MultibodyPlant, q: np.ndarray) -> np.ndarray:

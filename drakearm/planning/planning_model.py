@@ -8,11 +8,11 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.errors import PlanningError
 from drakearm.model import Arm, MakeTorqueArm
+from drakearm.model.clearance import Clearance
 from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.points import PointTable, read_points
 from drakearm.model.skeleton import gravity_torque
-from drakearm.planning.clearance import clearances
 from drakearm.systems import CompiledSkeleton
 
 ROUNDING = 1e-9  # rad, by which an angle may exceed its limit, so that a posture at a limit is allowed
@@ -62,23 +62,13 @@ class PlanningModel:
         """The tip of the hand, as a table of one point."""
         return read_points(self.plant, [(self.arm.tip_frame, (0.0, 0.0, 0.0))])
 
-    @cached_property
-    def _outline(self) -> tuple[PointTable, np.ndarray]:
-        """The ends of the outline's capsules, and their radii."""
-        ends = [end for capsule in self.arm.outline for end in capsule.ends]
-        return read_points(self.plant, ends), np.array([capsule.radius for capsule in self.arm.outline])
-
     @property
     def parts(self) -> tuple[str, ...]:
         """The names (c,) of the arm's parts that must stay clear of an obstacle: those of its outline."""
         return tuple(capsule.name for capsule in self.arm.outline)
 
-    def clearance(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The distances (c,), m, of the parts from the obstacle at q (n_q,), and their derivatives by q (c, n_q).
-
-        A distance is negative if the part is inside the obstacle.
-        """
+    @cached_property
+    def clearance(self) -> Clearance:
+        """The distances of the parts from the obstacle, as a function of q."""
         assert self.obstacle is not None
-        points, radii = self._outline
-        center, direction = np.array(self.obstacle.position), self.obstacle.direction
-        return clearances(q, points, radii + self.obstacle.radius, center, direction)
+        return Clearance(self.plant, self.arm, self.obstacle)

@@ -32,11 +32,12 @@ from drakearm.experiments import RunFolder, evaluate_step, plan_step, replay_ste
 from drakearm.experiments.run_folder import STEPS
 from drakearm.learning import Policy
 from drakearm.learning.checkpoint import Checkpoint
-from drakearm.model import Recording, Reference
+from drakearm.model import Recording, Reference, load_recordings
 
 SEED = 1
+ARRAYS = {"reference": Reference.load, "recording": Recording.load, "noisy": load_recordings}
 READERS = {
-    ".npz": lambda file: (Reference if file.stem == "reference" else Recording).load(file),
+    ".npz": lambda file: ARRAYS[file.stem](file),
     ".json": lambda file: json.loads(file.read_text()),
     ".yaml": lambda file: yaml.safe_load(file.read_text()),
     ".safetensors": lambda file: (Checkpoint if file.name == RunFolder.EXTRAS["checkpoint"] else Policy).load(file),

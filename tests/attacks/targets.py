@@ -16,7 +16,7 @@ from drakearm.files import read_json
 from drakearm.learning import ArmVectorEnv, Policy
 from drakearm.model import load_arm
 from drakearm.model.equilibrium import find_equilibrium
-from drakearm.model.recording import Recording
+from drakearm.model.recording import Recording, load_recordings
 from drakearm.model.reference import Reference
 from drakearm.planning import plan
 from drakearm.task import LOOKAHEAD
@@ -94,6 +94,13 @@ def use_recording(folder: Path) -> Any:
     return tracking_metrics(recording, [recording])
 
 
+def use_recordings(folder: Path) -> Any:
+    """Computes the metrics of the runs with noise."""
+    first, *others = load_recordings(folder / "run" / "noisy.npz")
+    first.check(load_arm(folder / "arm"))
+    return tracking_metrics(first, others or [first])
+
+
 def use_policy(folder: Path) -> Any:
     """Lets a policy decide the excitations for a few observations."""
     task = load_scenario(folder / "scenario.yaml").task(_reference(folder))
@@ -129,7 +136,8 @@ def targets() -> dict[str, Target]:
         Target("muscles", "arm/muscles.yaml", use_arm, 0.2),
         Target("skeleton", "arm/skeleton.urdf", use_arm, 0.12),
         Target("reference", "run/reference.npz", use_reference, 0.12),
-        Target("recording", "run/recording.npz", use_recording, 0.07),
+        Target("recording", "run/recording.npz", use_recording, 0.04),
+        Target("noisy", "run/noisy.npz", use_recordings, 0.03),
         Target("policy", "run/policy.safetensors", use_policy, 0.13),
         Target("plan", "run/plan.json", use_json("plan.json"), 0.02),
         Target("training", "run/training.json", use_json("training.json"), 0.02),

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from drakearm.errors import RunFolderError, TaskError
-from drakearm.model.recording import Recording
+from drakearm.model.recording import Recording, load_recordings, save_recordings
 from drakearm.model.reference import CONTROL_STEP, Reference
+from tests.recordings import still_recording
 
 N, N_Q = 6, 2
 
@@ -183,11 +184,7 @@ def test_a_small_file_that_expands_to_much_is_refused(file, arrays):
 
 
 def make_recording(**changes) -> Recording:
-    joints, muscles = np.zeros((N, N_Q)), np.full((N, 3), 0.1)
-    return replace(
-        Recording(CONTROL_STEP * np.arange(N), *[joints] * 4, *[muscles] * 5, np.zeros(N)),
-        **changes,
-    )
+    return replace(still_recording(N, N_Q, 3), **changes)
 
 
 def test_a_recording_may_begin_at_a_later_control_step(file):
@@ -203,6 +200,8 @@ def test_a_recording_may_begin_at_a_later_control_step(file):
         ({"t": CONTROL_STEP * np.arange(N) + 0.005}, "because samples are 0.01 s apart"),
         ({"reward": np.full(N, np.nan)}, "reward[0]: found nan"),
         ({"fiber_length": np.full((N, 3), -0.1)}, "fiber_length[0, 0]: found -0.1"),
+        ({"joint_moment": np.zeros((N, 3, 1))}, "joint_moment: found n_q = 1, expected n_q = 2 as in q"),
+        ({"p_WH": np.zeros((N, 2))}, "p_WH: found an array of the shape (6, 2), expected (N, 3)"),
     ],
 )
 def test_an_unsuitable_recording_is_refused(file, changes, sentence):
@@ -210,6 +209,34 @@ def test_an_unsuitable_recording_is_refused(file, changes, sentence):
     with pytest.raises(RunFolderError) as error:
         Recording.load(file)
     assert sentence in str(error.value)
+
+
+def test_several_recordings_are_loaded_as_they_were_saved(file):
+    saved = [make_recording(q=np.full((N, N_Q), float(run))) for run in range(3)]
+    save_recordings(saved, file)
+    loaded = load_recordings(file)
+    assert [recording.q[0, 0] for recording in loaded] == [0.0, 1.0, 2.0]
+    np.testing.assert_array_equal(loaded[2].joint_moment, saved[2].joint_moment)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"t": CONTROL_STEP * np.arange(N) + 0.005}, "because samples are 0.01 s apart"),
+        ({"activation": np.full((N, 3), 1.1)}, "activation[1, 0, 0]: found 1.1, expected a number from 0 to 1"),
+    ],
+)
+def test_an_unsuitable_one_of_several_recordings_is_refused(file, changes, sentence):
+    save_recordings([make_recording(), make_recording(**changes)], file)
+    with pytest.raises(RunFolderError) as error:
+        load_recordings(file)
+    assert sentence in str(error.value)
+
+
+def test_one_recording_is_not_several(file):
+    make_recording().save(file)
+    with pytest.raises(RunFolderError, match=r"t: found an array of the shape \(6,\), expected \(runs, N\)"):
+        load_recordings(file)
 
 
 def test_a_recording_of_another_arm_is_refused(arm):

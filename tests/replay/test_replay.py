@@ -7,6 +7,7 @@ import struct
 import subprocess
 from base64 import b64decode
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.replay import write_replay
 from drakearm.replay.page import make_page
 from tests.full_disk import full_disk
+from tests.recordings import still_recording
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 SAMPLES = 21
@@ -39,20 +41,9 @@ def recording(arm: Arm) -> Recording:
     n = len(arm.muscles)
     share = np.linspace(0.0, 1.0, SAMPLES)[:, None]
     q = np.hstack([0.4 * share, 0.3 + 1.4 * share])
-    muscles = np.zeros((SAMPLES, n))
-    return Recording(
-        t=CONTROL_STEP * np.arange(SAMPLES),
-        q=q,
-        v=np.gradient(q, CONTROL_STEP, axis=0),
-        reference_q=q + 0.2,
-        reference_v=np.gradient(q, CONTROL_STEP, axis=0),
-        excitation=muscles,
-        activation=np.repeat(share, n, axis=1),
-        fiber_length=muscles,
-        fiber_velocity=muscles,
-        tendon_force=muscles,
-        reward=np.zeros(SAMPLES),
-    )
+    v = np.gradient(q, CONTROL_STEP, axis=0)
+    still = still_recording(SAMPLES, 2, n)
+    return replace(still, q=q, v=v, reference_q=q + 0.2, reference_v=v, activation=np.repeat(share, n, axis=1))
 
 
 @pytest.fixture(scope="module")

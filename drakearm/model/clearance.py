@@ -1,9 +1,29 @@
-"""How far capsules on the arm are from a cylinder, compiled, with derivatives."""
+"""How far the parts of an arm are from an obstacle, compiled, with derivatives."""
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.model.points import point_positions
+from drakearm.model.arm import Arm
+from drakearm.model.obstacle import Obstacle
+from drakearm.model.points import point_positions, read_points
 from drakearm.muscle.compiled import compiled
+
+
+class Clearance:
+    """The distances of the parts of an arm's outline from an obstacle."""
+
+    def __init__(self, plant: MultibodyPlant, arm: Arm, obstacle: Obstacle):
+        """plant: a finalized one with the arm's skeleton. Raises ArmError if it cannot be compiled (`read_points`)."""
+        self._ends = read_points(plant, [end for capsule in arm.outline for end in capsule.ends])
+        self._radii = np.array([capsule.radius for capsule in arm.outline]) + obstacle.radius
+        self._axis = np.array(obstacle.position), obstacle.direction
+
+    def __call__(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The distances (c,), m, of the parts at joint angles q (n_q,), rad, and their derivatives by q (c, n_q).
+
+        A distance is negative if the part is inside the obstacle.
+        """
+        return clearances(q, self._ends, self._radii, *self._axis)
 
 
 @compiled
