@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.experiments import load_scenario
-from drakearm.model import Arm
+from drakearm.model import Arm, MakeTorqueArm
+from drakearm.model.clearance import Clearance
 from drakearm.model.recording import Recording
-from drakearm.planning.planning_model import PlanningModel
 from drakearm.planning.verification import GRID
 from drakearm.reproduction.experiment import (
     Experiment,
@@ -34,7 +34,7 @@ class Bar:
         scenario = load_scenario(WITH)
         assert scenario.obstacle is not None
         self.obstacle = scenario.obstacle
-        self._model = PlanningModel(arm, obstacle=scenario.obstacle)
+        self._clearance = Clearance(MakeTorqueArm(arm), arm, scenario.obstacle)
 
     def clearance(self, run: Recording) -> tuple[np.ndarray, np.ndarray]:
         """Times (n,), s, 1 ms apart, and the distances (n, parts), m, of the arm's parts then; negative is a contact.
@@ -44,7 +44,7 @@ class Bar:
         """
         t = np.linspace(run.t[0], run.t[-1], round((run.t[-1] - run.t[0]) / GRID) + 1)
         q = CubicHermiteSpline(run.t, run.q, run.v)(t)
-        return t, np.array([self._model.clearance(posture)[0] for posture in q])
+        return t, np.array([self._clearance(posture)[0] for posture in q])
 
 
 class ObstacleAvoidance(Experiment):

@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drakearm.experiments import scenario_files
+from drakearm.model.recording import Recording
 from drakearm.reproduction.experiment import Experiment, all_methods, by_method, by_seed, common_rows
-from drakearm.reproduction.hand import HandMotion, hand_motion
+from drakearm.reproduction.hand import desired_path
 from drakearm.reproduction.minimum_jerk import minimum_jerk_profile
 from drakearm.reproduction.people import PEOPLE, load_people
 from drakearm.reproduction.rows import Row, Share, Spread
@@ -22,19 +23,25 @@ TOLERANCE = 0.1  # of the amplitude: a reach that ends closer to its target is a
 class Reach:
     """One noisy run."""
 
-    scenario: str
-    hand: HandMotion
+    recording: Recording
+    start: np.ndarray  # (3,), m, where the reference has the hand at the start
+    target: np.ndarray  # (3,), m, and at the end
     profile: SpeedProfile
 
     @property
+    def end_error(self) -> float:
+        """m"""
+        return float(np.linalg.norm(self.recording.p_WH[-1] - self.target))
+
+    @property
     def success(self) -> bool:
-        return self.hand.end_error < TOLERANCE * self.hand.amplitude
+        return self.end_error < TOLERANCE * float(np.linalg.norm(self.target - self.start))
 
     @property
     def path_deviation(self) -> float:
         """Of the part of the path between onset and end, over its length."""
-        moving = (self.hand.t >= self.profile.onset) & (self.hand.t <= self.profile.end)
-        return path_deviation(self.hand.p[moving])
+        t = self.recording.t
+        return path_deviation(self.recording.p_WH[(t >= self.profile.onset) & (t <= self.profile.end)])
 
 
 @dataclass(frozen=True)
@@ -62,8 +69,8 @@ def measure_reaches(outcomes: Sequence[Outcome]) -> dict[Method, list[Reaches]]:
     """The reaches of each method, for each of its seeds."""
 
     def measure(outcome: Outcome) -> list[Reach]:
-        hands = [hand_motion(outcome.task, run) for run in outcome.noisy]
-        return [Reach(outcome.trial.scenario, hand, speed_profile(hand.t, hand.speed)) for hand in hands]
+        path = desired_path(outcome.task)
+        return [Reach(run, path[0], path[-1], speed_profile(run.t, run.hand_speed)) for run in outcome.noisy]
 
     return {
         method: [Reaches([run for outcome in seed for run in measure(outcome)]) for seed in by_seed(some)]
@@ -109,8 +116,10 @@ class Reaching(Experiment):
         shape = "hand-speed profile"
         return [
             Row("reaches that end within 10 % of the amplitude", success, "89 %"),
-            Row("distance of the hand from the target at the end (cm)", per_run(lambda r: 100 * r.hand.end_error, 2)),
-            Row("speed of the hand at the end (cm/s)", per_run(lambda r: 100 * r.hand.speed[-1], 2), "at rest"),
+            Row("distance of the hand from the target at the end (cm)", per_run(lambda r: 100 * r.end_error, 2)),
+            Row(
+                "speed of the hand at the end (cm/s)", per_run(lambda r: 100 * r.recording.hand_speed[-1], 2), "at rest"
+            ),
             Row(
                 "mean, correlation with minimum jerk", per_seed(lambda r: correlation(r.mean, jerk.speed)), group=shape
             ),

@@ -21,7 +21,7 @@ from drakearm.reproduction.figures.panels import (
     method_line,
     method_marker,
 )
-from drakearm.reproduction.hand import hand_motion
+from drakearm.reproduction.hand import desired_path
 from drakearm.reproduction.lifting import LOADS, WEIGHTINGS, extensor_load, flexor_load
 from drakearm.reproduction.muscle_load import muscle_groups
 from drakearm.reproduction.trial import Outcome
@@ -73,7 +73,7 @@ def _draw_load(panels: Sequence[Axes], outcomes: Sequence[Outcome], load: int) -
     if outcomes:
         task = outcomes[0].task
         run = outcomes[0].noise_free
-        height = 100 * _up(task.arm, hand_motion(task, run).desired)
+        height = 100 * _up(task.arm, desired_path(task))
         panels[0].plot(run.t, height - height[0], color=REFERENCE_COLOR, linewidth=1.2)
         for panel, joint in zip(panels[1:], ("elbow", "shoulder"), strict=True):
             reference = np.rad2deg(run.reference_q[:, task.arm.coordinates.index(joint)])
@@ -82,7 +82,7 @@ def _draw_load(panels: Sequence[Axes], outcomes: Sequence[Outcome], load: int) -
 
 def _height(outcome: Outcome, run: Recording) -> np.ndarray:
     """cm, of the hand above its start (N,)."""
-    height = 100 * _up(outcome.task.arm, hand_motion(outcome.task, run).p)
+    height = 100 * _up(outcome.task.arm, run.p_WH)
     return height - height[0]
 
 

@@ -14,7 +14,6 @@ from drakearm.figures.side_view import capsule_edge
 from drakearm.figures.style import COLORS
 from drakearm.reproduction.experiment import by_method, by_scenario
 from drakearm.reproduction.figures.panels import REFERENCE_COLOR, label_panel, legend_below, method_line
-from drakearm.reproduction.hand import hand_motion
 from drakearm.reproduction.trial import Outcome
 
 if TYPE_CHECKING:
@@ -74,7 +73,7 @@ def _draw_side(panel: Axes, outcome: Outcome, bar: "Bar", avoids: bool, look: di
         for part in view.outline(nearest):
             panel.fill(*capsule_edge(*part).T, color=_NEAREST, alpha=0.4, linewidth=0, zorder=1.5)
     for run in outcome.noisy:
-        path = np.array([view.project(point) for point in hand_motion(outcome.task, run).p])
+        path = np.array([view.project(point) for point in run.p_WH])
         panel.plot(*path.T, linewidth=0.9, zorder=3, **look)
     panel.set_aspect("equal", adjustable="datalim")
 

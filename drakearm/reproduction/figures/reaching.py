@@ -66,11 +66,10 @@ def draw_reaching(measured: Mapping[Method, "list[Reaches]"]) -> Figure:
 def _draw_paths(panel: Axes, method: Method, seeds: "list[Reaches]") -> None:
     """The paths of the hand from its place at the start, forward and up, around the targets."""
     for reach in seeds[0].runs:  # more would hide each other
-        p = 100 * (reach.hand.p - reach.hand.desired[0])[:, :2]  # the arm moves in the plane across z
+        p = 100 * (reach.recording.p_WH - reach.start)[:, :2]  # the arm moves in the plane across z
         panel.plot(*p.T, color=method_line(method)["color"], linewidth=0.5, alpha=0.6)
         panel.plot(*p[-1], ".", color="black", markersize=1.8, zorder=3)
-    targets = {r.scenario: 100 * (r.hand.desired[-1] - r.hand.desired[0])[:2] for r in seeds[0].runs}
-    for target in targets.values():
+    for target in np.unique([100 * (reach.target - reach.start)[:2] for reach in seeds[0].runs], axis=0):
         panel.add_patch(Circle(target, _TOLERANCE, fill=False, edgecolor="black", linewidth=1.0, zorder=4))
     panel.set_aspect("equal")
     panel.set(xlim=(-12.5, 12.5), ylim=(-12.5, 12.5), xticks=(-10, -5, 0, 5, 10), yticks=(-10, -5, 0, 5, 10))
