@@ -2,12 +2,15 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
 from drakearm.model.recording import Recording
 from drakearm.reproduction.rows import Row, Share, Spread
 from drakearm.reproduction.trial import Method, Outcome, Trial
+
+_T = TypeVar("_T")
 
 
 class Experiment(ABC):
@@ -67,48 +70,56 @@ def spreads(
     outcomes: Sequence[Outcome], measure: Callable[[Outcome], Sequence[float]], digits: int = 3
 ) -> dict[Method, Spread]:
     """A measure of the runs of an outcome, collected for each method."""
-    return {method: Spread(list(values), digits) for method, values in _collect(outcomes, measure)}
+    return {method: Spread(values, digits) for method, values in _collect(outcomes, measure)}
 
 
 def shares(outcomes: Sequence[Outcome], measure: Callable[[Outcome], Sequence[bool]]) -> dict[Method, Share]:
     """How many runs of each method have a property."""
-    return {method: Share(list(values)) for method, values in _collect(outcomes, measure)}
+    return {method: Share(values) for method, values in _collect(outcomes, measure)}
 
 
-def noisy(measure: Callable[[Outcome, Recording], float]) -> Callable[[Outcome], list[float]]:
+def noisy(measure: Callable[[Outcome, Recording], _T]) -> Callable[[Outcome], list[_T]]:
     """The measure of an outcome that measures each of its noisy runs."""
     return lambda outcome: [measure(outcome, run) for run in outcome.noisy]
 
 
-def _collect(outcomes, measure) -> Iterator[tuple[Method, list[list]]]:
+def _collect(
+    outcomes: Sequence[Outcome], measure: Callable[[Outcome], Sequence[_T]]
+) -> Iterator[tuple[Method, list[list[_T]]]]:
+    """For each method that was measured, for each of its seeds, the measures of all runs."""
     for method, some in by_method(outcomes).items():
-        yield method, [[value for outcome in seed for value in measure(outcome)] for seed in by_seed(some)]
+        seeds = [[value for outcome in seed for value in measure(outcome)] for seed in by_seed(some)]
+        if any(seeds):
+            yield method, seeds
 
 
-def metric(name: str, joint: int | None = None) -> Callable[[Outcome], list[float]]:
+def with_noise(name: str, joint: int | None = None) -> Callable[[Outcome], list[float]]:
     """The measure that takes a quantity of the noisy runs from metrics.json, of one joint if it has one per joint."""
-
-    def measure(outcome: Outcome) -> list[float]:
-        values = outcome.metrics["noisy"][name]
-        return list(values) if joint is None else [value[joint] for value in values]
-
-    return measure
+    return lambda outcome: [_of_joint(value, joint) for value in outcome.metrics["noisy"][name]]
 
 
-def common_rows(outcomes: Sequence[Outcome], group: str = "") -> list[Row]:
+def noise_free(name: str, joint: int | None = None) -> Callable[[Outcome], list[float]]:
+    """The same of the run without noise."""
+    return lambda outcome: [_of_joint(outcome.metrics["noise_free"][name], joint)]
+
+
+def _of_joint(value: Any, joint: int | None) -> float:
+    return value if joint is None else value[joint]
+
+
+def common_rows(outcomes: Sequence[Outcome], group: str) -> list[Row]:
     """What every experiment reports: tracking errors and effort."""
-    joints = outcomes[0].task.arm.coordinates
-    tracking = [
-        Row(
-            f"mean tracking error of the {joint} (rad)",
-            spreads(outcomes, metric("tracking_error_mean", j), 4),
-            "about 0.05",
-            group=group,
-        )
-        for j, joint in enumerate(joints)
-    ]
+
+    def error(joint: int, name: str, measure: Callable[..., Any], note: str) -> Row:
+        values = spreads(outcomes, measure("tracking_error_mean", joint), 4)
+        return Row(f"mean tracking error of the {name} (rad)", values, "about 0.05", note, group)
+
+    joints = list(enumerate(outcomes[0].task.arm.coordinates))
+    activation = spreads(outcomes, with_noise("squared_activation"))
+    energy = spreads(outcomes, with_noise("metabolic_energy"), 1)
     return [
-        *tracking,
-        Row("sum of squared activations", spreads(outcomes, metric("squared_activation"), 2), group=group),
-        Row("metabolic energy (J)", spreads(outcomes, metric("metabolic_energy"), 1), group=group),
+        *(error(j, joint, with_noise, "with noise") for j, joint in joints),
+        *(error(j, joint, noise_free, "without noise") for j, joint in joints),
+        Row("sum of squared activations (s)", activation, note="integral over the time", group=group),
+        Row("metabolic energy (J)", energy, note="of all muscles", group=group),
     ]

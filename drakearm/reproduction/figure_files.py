@@ -3,13 +3,14 @@
 import io
 import re
 from pathlib import Path
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from drakearm.files import replacement
 
-_SETTINGS = {"svg.hashsalt": "drakearm", "svg.fonttype": "path", "text.parse_math": False, "text.usetex": False}
+_SETTINGS: Any = {"svg.hashsalt": "drakearm", "svg.fonttype": "path", "text.parse_math": False, "text.usetex": False}
 
 
 def svg(figure: Figure) -> str:

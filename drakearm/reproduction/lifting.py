@@ -16,6 +16,7 @@ from drakearm.reproduction.experiment import (
     noisy,
     shares,
     spreads,
+    with_noise,
 )
 from drakearm.reproduction.muscle_load import muscle_groups, muscle_load
 from drakearm.reproduction.rows import Row
@@ -101,12 +102,10 @@ def _movement_rows(weighting: Weighting, load: int, outcomes: Sequence[Outcome])
     joints = outcomes[0].task.arm.coordinates
     elbow = joints.index("elbow")
 
-    def errors(run: Recording) -> np.ndarray:
-        return np.abs(run.q - run.reference_q)
-
     def lifts(run: Recording) -> np.ndarray:
-        """Whether each joint follows the plan, (n_q,)."""
-        return (errors(run).mean(axis=0) < LIFTED) & (errors(run)[-1] < LIFTED)
+        """Whether each joint does its part, (n_q,)."""
+        error = np.abs(run.q - run.reference_q)
+        return (error.mean(axis=0) < LIFTED) & (error[-1] < LIFTED)
 
     group = f"{load} kg, {weighting.label}: {lacking_torque(outcomes[0])}"
     lifted = "lifted" if load <= 5 else "not lifted"
@@ -123,11 +122,7 @@ def _movement_rows(weighting: Weighting, load: int, outcomes: Sequence[Outcome])
             group=group,
         ),
         *(
-            Row(
-                f"error of the {joint} at the end (rad)",
-                spreads(outcomes, noisy(lambda o, run, j=j: errors(run)[-1, j])),
-                group=group,
-            )
+            Row(f"error of the {joint} at the end (rad)", spreads(outcomes, with_noise("end_error", j)), group=group)
             for j, joint in enumerate(joints)
         ),
         Row("muscle load of the flexors (share of the time)", spreads(outcomes, noisy(flexor_load), 2), group=group),

@@ -74,7 +74,8 @@ _PAGE = Template("""<!DOCTYPE html>
   .wide { overflow-x: auto; }
   table { border-collapse: collapse; font-size: 0.88em; font-variant-numeric: tabular-nums; }
   th, td { text-align: left; vertical-align: top; padding: 5px 14px 5px 6px; border-bottom: 1px solid var(--line); }
-  td:first-child { min-width: 11em; max-width: 24em; } td:not(:first-child) { white-space: nowrap; }
+  td:first-child { min-width: 11em; max-width: 24em; position: sticky; left: 0; background: var(--back); }
+  td:not(:first-child) { white-space: nowrap; }
   th.group { padding-top: 16px; background: var(--pale); }
   small { display: block; color: var(--note); }
   figure { margin: 28px 0; } figcaption { color: var(--note); font-size: 0.88em; }

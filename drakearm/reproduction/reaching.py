@@ -8,10 +8,18 @@ from matplotlib.figure import Figure
 
 from drakearm.experiments import scenario_files
 from drakearm.model.recording import Recording
-from drakearm.reproduction.experiment import Experiment, all_methods, by_method, by_seed, common_rows
+from drakearm.reproduction.experiment import (
+    Experiment,
+    all_methods,
+    by_method,
+    by_seed,
+    common_rows,
+    noise_free,
+    spreads,
+)
 from drakearm.reproduction.hand import desired_path
 from drakearm.reproduction.minimum_jerk import minimum_jerk_profile
-from drakearm.reproduction.people import PEOPLE, load_people
+from drakearm.reproduction.people import PEOPLE, People, load_people
 from drakearm.reproduction.rows import Row, Share, Spread
 from drakearm.reproduction.speed_profile import SpeedProfile, correlation, path_deviation, speed_profile
 from drakearm.reproduction.trial import Method, Outcome, Trial
@@ -65,7 +73,10 @@ class Reaches:
         return np.array([run.profile.speed for run in self.runs])
 
 
-def measure_reaches(outcomes: Sequence[Outcome]) -> dict[Method, list[Reaches]]:
+Measured = dict[Method, list[Reaches]]  # for each method its seeds
+
+
+def measure_reaches(outcomes: Sequence[Outcome]) -> Measured:
     """The reaches of each method, for each of its seeds."""
 
     def measure(outcome: Outcome) -> list[Reach]:
@@ -93,80 +104,19 @@ class Reaching(Experiment):
 
     def rows(self, outcomes: Sequence[Outcome]) -> list[Row]:
         measured = measure_reaches(outcomes)
-
-        def per_run(measure: Callable[[Reach], float], digits: int) -> dict[Method, Spread]:
-            return {
-                method: Spread([[measure(run) for run in reaches.runs] for reaches in seeds], digits)
-                for method, seeds in measured.items()
-            }
-
-        def per_seed(measure: Callable[[Reaches], float]) -> dict[Method, Spread]:
-            return {method: Spread([[measure(reaches)] for reaches in seeds], 3) for method, seeds in measured.items()}
-
         success = {
             method: Share([[run.success for run in reaches.runs] for reaches in seeds])
             for method, seeds in measured.items()
         }
-        jerk, people = minimum_jerk_profile(), [load_people(group) for group in PEOPLE]
-
-        def compare(jerk_value: str, values: Sequence[str]) -> str:
-            those = ", ".join(f"{value} ({p.label})" for p, value in zip(people, values, strict=True))
-            return f"minimum jerk {jerk_value}; people {those}"
-
-        shape = "hand-speed profile"
+        error, speed = (_per_run(measured, measure, 2) for measure in (_end_error_cm, _end_speed_cm))
+        without_noise = spreads(outcomes, noise_free("hand_end_error_cm"), 2)
         return [
             Row("reaches that end within 10 % of the amplitude", success, "89 %"),
-            Row("distance of the hand from the target at the end (cm)", per_run(lambda r: 100 * r.end_error, 2)),
-            Row(
-                "speed of the hand at the end (cm/s)", per_run(lambda r: 100 * r.recording.hand_speed[-1], 2), "at rest"
-            ),
-            Row(
-                "mean, correlation with minimum jerk", per_seed(lambda r: correlation(r.mean, jerk.speed)), group=shape
-            ),
-            *(
-                Row(
-                    f"mean, correlation with people ({p.label})",
-                    per_seed(lambda r, p=p: correlation(r.mean, p.mean)),
-                    "0.91 (other people)",
-                    f"ceiling {p.ceiling}; minimum jerk {correlation(jerk.speed, p.mean):.3f}",
-                    shape,
-                )
-                for p in people
-            ),
-            *(
-                Row(
-                    f"standard deviation between runs, correlation with that within one person ({p.label})",
-                    per_seed(lambda r, p=p: correlation(r.spread, p.within)),
-                    "0.78 (other people)",
-                    "minimum jerk has no deviation",
-                    shape,
-                )
-                for p in people
-            ),
-            Row(
-                "peak over mean",
-                per_run(lambda r: r.profile.peak_over_mean, 2),
-                note=compare(f"{jerk.peak_over_mean:.2f}", [f"{p.peak_over_mean:.2f}" for p in people]),
-                group=shape,
-            ),
-            Row(
-                "time of the peak (share of the duration)",
-                per_run(lambda r: r.profile.time_of_peak, 3),
-                note=compare(f"{jerk.time_of_peak:.2f}", [f"{p.time_of_peak:.3f}" for p in people]),
-                group=shape,
-            ),
-            Row(
-                "duration (s)",
-                per_run(lambda r: r.profile.duration, 3),
-                note="people " + ", ".join(f"{p.duration:.2f} ({p.label})" for p in people),
-                group=shape,
-            ),
-            Row(
-                "largest deviation of the path from a straight line, over its length",
-                per_run(lambda r: r.path_deviation, 3),
-                note="minimum jerk 0; people 0.11 (median of all trials)",
-                group=shape,
-            ),
+            Row("distance of the hand from the target at the end (cm)", error, note="with noise"),
+            Row("distance of the hand from the target at the end (cm)", without_noise, note="without noise"),
+            Row("speed of the hand at the end (cm/s)", speed, "at rest"),
+            *_similarity_rows(measured),
+            *_shape_rows(measured),
             *common_rows(outcomes, "tracking and effort"),
         ]
 
@@ -174,3 +124,82 @@ class Reaching(Experiment):
         from drakearm.reproduction.figures.reaching import draw_reaching
 
         return {"fig4-reaching": draw_reaching(measure_reaches(outcomes))}
+
+
+def _end_error_cm(reach: Reach) -> float:
+    return 100 * reach.end_error
+
+
+def _end_speed_cm(reach: Reach) -> float:
+    return 100 * float(reach.recording.hand_speed[-1])
+
+
+def _similarity_rows(measured: Measured) -> list[Row]:
+    """Correlations of the mean profile and of the spread, for each seed."""
+    jerk, group = minimum_jerk_profile(), "hand-speed profile: similarity"
+
+    def row(quantity: str, measure: Callable[[Reaches], float], paper: str = "", note: str = "") -> Row:
+        values = {method: Spread([[measure(reaches)] for reaches in seeds], 3) for method, seeds in measured.items()}
+        return Row(quantity, values, paper, note, group)
+
+    def people_rows(people: People) -> list[Row]:
+        ceiling = f"ceiling {people.ceiling}; minimum jerk {correlation(jerk.speed, people.mean):.3f}"
+        return [
+            row(
+                f"mean, correlation with people ({people.label})",
+                lambda reaches: correlation(reaches.mean, people.mean),
+                "0.91 (other people)",
+                ceiling,
+            ),
+            row(
+                f"spread, correlation with that within one person ({people.label})",
+                lambda reaches: correlation(reaches.spread, people.within),
+                "0.78 (other people)",
+                "standard deviation between runs; minimum jerk has none",
+            ),
+        ]
+
+    return [
+        row("mean, correlation with minimum jerk", lambda reaches: correlation(reaches.mean, jerk.speed)),
+        *(row for group in PEOPLE for row in people_rows(load_people(group))),
+    ]
+
+
+def _shape_rows(measured: Measured) -> list[Row]:
+    """Numbers of the single profiles, beside those of minimum jerk and of people."""
+    jerk, everyone = minimum_jerk_profile(), [load_people(group) for group in PEOPLE]
+
+    def row(quantity: str, measure: Callable[[Reach], float], digits: int, alike: str) -> Row:
+        return Row(quantity, _per_run(measured, measure, digits), note=alike, group="hand-speed profile: shape")
+
+    def of_people(measure: Callable[[People], float], digits: int) -> str:
+        return "people " + ", ".join(f"{measure(people):.{digits}f} ({people.label})" for people in everyone)
+
+    return [
+        row(
+            "peak over mean",
+            lambda reach: reach.profile.peak_over_mean,
+            2,
+            f"minimum jerk {jerk.peak_over_mean:.2f}; {of_people(lambda people: people.peak_over_mean, 2)}",
+        ),
+        row(
+            "time of the peak (share of the duration)",
+            lambda reach: reach.profile.time_of_peak,
+            3,
+            f"minimum jerk {jerk.time_of_peak:.2f}; {of_people(lambda people: people.time_of_peak, 3)}",
+        ),
+        row("duration (s)", lambda reach: reach.profile.duration, 3, of_people(lambda people: people.duration, 2)),
+        row(
+            "largest deviation of the path from a straight line, over its length",
+            lambda reach: reach.path_deviation,
+            3,
+            "minimum jerk 0; people 0.11 (median of all trials)",
+        ),
+    ]
+
+
+def _per_run(measured: Measured, measure: Callable[[Reach], float], digits: int) -> dict[Method, Spread]:
+    return {
+        method: Spread([[measure(run) for run in reaches.runs] for reaches in seeds], digits)
+        for method, seeds in measured.items()
+    }

@@ -51,7 +51,6 @@ class Timing(Experiment):
         def perturbed(limit: float) -> Callable[[Outcome], list[bool]]:
             return lambda outcome: [end_error(run) < limit for run in outcome.perturbed]
 
-        learning = [outcome for outcome in outcomes if outcome.learning_curve is not None]
         robust = "perturbed runs"
         return [
             Row(
@@ -61,7 +60,7 @@ class Timing(Experiment):
             *(row for name, some in by_scenario(outcomes).items() for row in _movement_rows(name, some)),
             Row(
                 f"batches until the error stays below {LEARNED} rad",
-                spreads(learning, lambda o: [batches_to_learn(o.learning_curve["tracking_error"])], 0),
+                spreads(outcomes, _batches, 0),
                 "about 150 of 200",
                 "0: from the first batch on, after imitation",
                 "learning",
@@ -75,6 +74,10 @@ class Timing(Experiment):
         figures = {"fig5-timing": draw_timing(by_scenario(outcomes))}
         learning = [outcome for outcome in outcomes if outcome.learning_curve is not None]
         return figures | ({"fig6-learning": draw_learning(by_scenario(learning))} if learning else {})
+
+
+def _batches(outcome: Outcome) -> list[float]:
+    return [] if outcome.learning_curve is None else [batches_to_learn(outcome.learning_curve["tracking_error"])]
 
 
 def _movement_rows(name: str, outcomes: Sequence[Outcome]) -> list[Row]:

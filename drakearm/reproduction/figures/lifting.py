@@ -1,19 +1,24 @@
 """Figures 7 and 8: how far each weight is lifted, the muscle load, and the activation of every muscle."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from drakearm.model import Arm
 from drakearm.model.recording import Recording
 from drakearm.reproduction.experiment import by_method
 from drakearm.reproduction.figures.panels import (
     FONT,
     PAPER,
     REFERENCE_COLOR,
+    Look,
     draw_band,
     label_panel,
     legend_below,
@@ -24,12 +29,12 @@ from drakearm.reproduction.figures.panels import (
 from drakearm.reproduction.hand import desired_path
 from drakearm.reproduction.lifting import LOADS, WEIGHTINGS, extensor_load, flexor_load
 from drakearm.reproduction.muscle_load import muscle_groups
-from drakearm.reproduction.trial import Outcome
+from drakearm.reproduction.trial import Method, Outcome
 
 Movements = Mapping[str, Sequence[Outcome]]
 _DARK = "#333333"
-_ELBOW = {"facecolor": _DARK, "edgecolor": _DARK}
-_SHOULDER = {"facecolor": "white", "edgecolor": _DARK, "hatch": "////"}
+_ELBOW: Look = {"facecolor": _DARK, "edgecolor": _DARK}
+_SHOULDER: Look = {"facecolor": "white", "edgecolor": _DARK, "hatch": "////"}
 _SATURATED = 80  # %, muscle load of the flexors with 10 kg and more, in the paper
 
 
@@ -51,14 +56,17 @@ def draw_lifting(movements: Movements) -> Figure:
         top = rows[0][0].get_position().y1 + 0.028
         figure.text(0.012, top, weighting.label, fontsize=FONT + 2, fontweight="bold")
     methods = _methods(movements)
-    keys = [*method_keys(methods), Line2D([], [], color=REFERENCE_COLOR, linewidth=1.2, label="reference")]
+    keys: list[Artist] = [
+        *method_keys(methods),
+        Line2D([], [], color=REFERENCE_COLOR, linewidth=1.2, label="reference"),
+    ]
     keys.append(Patch(color="#777777", alpha=0.3, linewidth=0, label="± 1 standard deviation, with noise"))
     legend_below(figure, keys, columns=3)
     return figure
 
 
 def _draw_load(panels: Sequence[Axes], outcomes: Sequence[Outcome], load: int) -> None:
-    first = panels[0].get_subplotspec().is_first_col()
+    first = load == LOADS[0]
     labels = ("hand above\nits start (cm)", "elbow (°)", "shoulder (°)")
     for panel, label in zip(panels, labels, strict=True):
         title, x = (f"{load} kg" if panel is panels[0] else ""), ("time (s)" if panel is panels[2] else "")
@@ -86,7 +94,7 @@ def _height(outcome: Outcome, run: Recording) -> np.ndarray:
     return height - height[0]
 
 
-def _up(arm, p: np.ndarray) -> np.ndarray:
+def _up(arm: Arm, p: np.ndarray) -> np.ndarray:
     """The heights (N,) of points (N, 3)."""
     return -(p @ np.array(arm.gravity)) / np.linalg.norm(arm.gravity)
 
@@ -105,8 +113,8 @@ def draw_muscle_load(movements: Movements) -> Figure:
         _draw_lacking(below, found)
         label_panel(below, "", "weight in the hand (kg)", "" if k else "lacking torque (Nm)")
     methods = _methods(movements)
-    dot = {"color": _DARK, "marker": "o", "markersize": 5, "linestyle": ""}
-    kinds = [
+    dot: Look = {"color": _DARK, "marker": "o", "markersize": 5, "linestyle": ""}
+    kinds: list[Artist] = [
         Line2D([], [], label="flexors", **dot),
         Line2D([], [], label="extensors", markerfacecolor="white", **dot),
         Line2D([], [], label="the paper: flexors saturate near 80 %", **PAPER),
@@ -118,14 +126,14 @@ def draw_muscle_load(movements: Movements) -> Figure:
 
 
 def _draw_loads(panel: Axes, found: Mapping[int, Sequence[Outcome]]) -> None:
-    def draw(measure: Callable[[Outcome, Recording], float], **face: str) -> None:
+    def draw(measure: Callable[[Outcome, Recording], float], **face: Any) -> None:
         for i, method in enumerate(_methods(found)):
             at = {load: by_method(some).get(method, []) for load, some in found.items()}
             loads = [load for load, some in at.items() if some]
             values = [[100 * measure(o, run) for o in at[load] for run in o.noisy] for load in loads]
             x = np.array(loads) + 0.18 * (i - 1)  # so that markers do not hide each other
             panel.plot(x, [np.mean(v) for v in values], linewidth=1.4, **method_line(method))
-            look = method_marker(method) | {"linestyle": "", "markersize": 5, "capsize": 2, "elinewidth": 0.8}
+            look: Look = method_marker(method) | {"linestyle": "", "markersize": 5, "capsize": 2, "elinewidth": 0.8}
             panel.errorbar(x, [np.mean(v) for v in values], [np.std(v) for v in values], **look, **face)
 
     draw(flexor_load)
@@ -168,7 +176,7 @@ def draw_activations(movements: Movements) -> Figure:
     return figure
 
 
-def _draw_raster(panel: Axes, outcomes: Sequence[Outcome]):
+def _draw_raster(panel: Axes, outcomes: Sequence[Outcome]) -> AxesImage:
     """One line per muscle: the flexors of the elbow above, the extensors below the white line."""
     task = outcomes[0].task
     groups = muscle_groups(task.arm, task.arm.coordinates.index("elbow"), task.reference.q)
@@ -189,7 +197,7 @@ def _draw_raster(panel: Axes, outcomes: Sequence[Outcome]):
     return image
 
 
-def _methods(movements: Mapping) -> list:
+def _methods(movements: Mapping[Any, Sequence[Outcome]]) -> list[Method]:
     return list(by_method([outcome for some in movements.values() for outcome in some]))
 
 

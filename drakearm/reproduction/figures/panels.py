@@ -11,24 +11,25 @@ from matplotlib.lines import Line2D
 from drakearm.figures.style import COLORS, finish_panel
 from drakearm.reproduction.trial import Method
 
+Look = dict[str, Any]  # keyword arguments of Matplotlib
 FONT = 9
 REFERENCE_COLOR = "#000000"
-PAPER = {"color": "#444444", "linestyle": (0, (1, 1.5)), "linewidth": 1.3}  # lines of what the paper reports
+PAPER: Look = {"color": "#444444", "linestyle": (0, (1, 1.5)), "linewidth": 1.3}  # lines of what the paper reports
 
 # Apart from their colors, the methods have lines and markers of their own, for readers who see gray only.
-_LOOKS: dict[Method, dict[str, Any]] = {
+_LOOKS: dict[Method, Look] = {
     Method.static: {"color": COLORS[2], "linestyle": (0, (1.2, 1.2)), "marker": "s"},
     Method.ppo_alone: {"color": COLORS[1], "linestyle": (0, (5, 1.5)), "marker": "^"},
     Method.default: {"color": COLORS[0], "linestyle": "-", "marker": "o"},
 }
 
 
-def method_line(method: Method) -> dict[str, Any]:
+def method_line(method: Method) -> Look:
     """The color and the style of a method's lines, as arguments of `plot`."""
     return {key: value for key, value in _LOOKS[method].items() if key != "marker"}
 
 
-def method_marker(method: Method) -> dict[str, Any]:
+def method_marker(method: Method) -> Look:
     """The color and the shape of a method's markers, as arguments of `plot`."""
     return {key: value for key, value in _LOOKS[method].items() if key != "linestyle"}
 

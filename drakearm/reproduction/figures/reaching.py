@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -14,6 +15,7 @@ from drakearm.reproduction.figures.panels import (
     FONT,
     PAPER,
     REFERENCE_COLOR,
+    Look,
     draw_band,
     label_panel,
     legend_below,
@@ -28,7 +30,7 @@ from drakearm.reproduction.trial import Method
 if TYPE_CHECKING:
     from drakearm.reproduction.reaching import Reaches
 
-_PEOPLE = {"color": COLORS[5], "linestyle": (0, (4, 1.2, 1, 1.2))}
+_PEOPLE: Look = {"color": COLORS[5], "linestyle": (0, (4, 1.2, 1, 1.2))}
 _SHOWN = "single_peaked_under_1.2s"  # the group of people whose profile is drawn
 _TOLERANCE = 1.0  # cm, of the paper: 10 % of the amplitude
 _PAPER_MEAN, _PAPER_SPREAD = 0.91, 0.78
@@ -50,8 +52,10 @@ def draw_reaching(measured: Mapping[Method, "list[Reaches]"]) -> Figure:
     panels = [figure.add_subplot(row[0])]
     panels.append(figure.add_subplot(row[1], sharey=panels[0]))
     _draw_similarity(panels, measured)
-    keys = [Line2D([], [], markersize=5, linestyle="", label=str(m), **method_marker(m)) for m in measured]
-    ceiling = {"color": "black", "marker": "|", "markersize": 12, "markeredgewidth": 2.2, "linestyle": ""}
+    keys: list[Artist] = [
+        Line2D([], [], markersize=5, linestyle="", label=str(m), **method_marker(m)) for m in measured
+    ]
+    ceiling: Look = {"color": "black", "marker": "|", "markersize": 12, "markeredgewidth": 2.2, "linestyle": ""}
     keys += [
         Line2D([], [], linewidth=1.3, label="minimum jerk, cut alike", color=REFERENCE_COLOR),
         Line2D([], [], linewidth=1.6, label=f"people, {PEOPLE[_SHOWN]}", **_PEOPLE),
@@ -116,7 +120,7 @@ def _draw_similarity(panels: list[Axes], measured: Mapping[Method, "list[Reaches
         panel.set_xlim(right=1.0)
     panels[0].set(yticks=range(3), yticklabels=names, ylim=(2.6, -0.6))
     panels[1].tick_params(labelleft=False)
-    note = {"fontsize": FONT - 1, "color": NOTE_COLOR, "va": "center", "ha": "center"}
+    note: Look = {"fontsize": FONT - 1, "color": NOTE_COLOR, "va": "center", "ha": "center"}
     panels[1].text(0.5, 0.82, "(minimum jerk has no spread)", transform=panels[1].transAxes, **note)
     label_panel(panels[0], "similarity of the mean profile to", "correlation")
     label_panel(panels[1], "similarity of the spread", "correlation")

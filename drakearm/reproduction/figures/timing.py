@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import NullFormatter
 from scipy.stats import t as student
 
 from drakearm.reproduction.experiment import by_method, by_seed
@@ -71,7 +73,14 @@ def _draw_end_errors(panel: Axes, outcomes: Sequence[Outcome]) -> None:
         at = (np.arange(len(errors)) + 0.5) / max(len(errors), 1)
         panel.plot(at, errors, linestyle="", markersize=3.5, markerfacecolor="none", **method_marker(method))
     panel.axhline(_LEARNED, **PAPER)
-    panel.set(yscale="log", xlim=(0, 1), xticks=(0, 0.5, 1), xticklabels=("0", "50", "100"))
+    _log_scale(panel)
+    panel.set(xlim=(0, 1), xticks=(0, 0.5, 1), xticklabels=("0", "50", "100"))
+
+
+def _log_scale(panel: Axes) -> None:
+    panel.set_yscale("log")
+    panel.yaxis.set_major_formatter("{x:g}")
+    panel.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _share_limits(rows: np.ndarray) -> None:
@@ -95,11 +104,11 @@ def draw_learning(movements: Mapping[str, Sequence[Outcome]]) -> Figure:
             _draw_curve(panel, method, [seed[0] for seed in by_seed(some)])
         panel.axhline(_LEARNED, **PAPER)
         panel.axvline(_PAPER_BATCHES, **PAPER)
-        panel.set_yscale("log")
+        _log_scale(panel)
         label_panel(panel, name, "batch", "" if panel is not panels[0] else "tracking error (rad)")
     methods = by_method([outcome for some in movements.values() for outcome in some])
     seeds = len({outcome.trial.seed for some in movements.values() for outcome in some})
-    keys = method_keys(list(methods))
+    keys: list[Artist] = [*method_keys(list(methods))]
     if seeds > 1:
         text = f"{_CONFIDENCE:.0%} confidence of the mean of {seeds} trainings"
         keys.append(Patch(color="#777777", alpha=0.3, linewidth=0, label=text))
