@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
+from drakearm.planning.feasibility import NEGLIGIBLE
 from drakearm.reproduction.experiment import by_method
 from drakearm.reproduction.figures.panels import (
     FONT,
@@ -42,7 +43,7 @@ def draw_lifting(movements: Movements) -> Figure:
     """One column per load; for both weightings the height of the hand and the angles of both joints."""
     figure = Figure(figsize=(10.0, 10.5), facecolor="white")
     grid = figure.add_gridspec(
-        7, 5, left=0.085, right=0.985, top=0.935, bottom=0.09, height_ratios=[1, 1, 1, 0.22, 1, 1, 1]
+        7, 5, left=0.085, right=0.985, top=0.935, bottom=0.09, height_ratios=[1, 1, 1, 0.45, 1, 1, 1]
     )
     grid.update(hspace=0.3, wspace=0.12)
     for block, weighting in enumerate(WEIGHTINGS):
@@ -147,8 +148,9 @@ def _draw_lacking(panel: Axes, found: Mapping[int, Sequence[Outcome]]) -> None:
     for load, outcomes in found.items():
         feasibility = outcomes[0].feasibility
         lacking = dict(zip(feasibility.coordinates, np.abs(feasibility.reserve).max(axis=0), strict=True))
-        panel.bar(load - 0.2, lacking["elbow"], 0.36, **_ELBOW)
-        panel.bar(load + 0.2, lacking["shoulder"], 0.36, **_SHOULDER)
+        for joint, aside, look in (("elbow", -0.2, _ELBOW), ("shoulder", 0.2, _SHOULDER)):
+            if lacking[joint] > NEGLIGIBLE:
+                panel.bar(load + aside, lacking[joint], 0.36, **look)
 
 
 def draw_activations(movements: Movements) -> Figure:

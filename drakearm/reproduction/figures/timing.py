@@ -23,7 +23,7 @@ from drakearm.reproduction.figures.panels import (
 )
 from drakearm.reproduction.trial import Method, Outcome
 
-_CONFIDENCE = 0.95
+_CONFIDENCE, _FEWEST = 0.95, 3  # two trainings say next to nothing about the confidence of their mean
 _LEARNED, _PAPER_BATCHES = 0.1, 150
 
 
@@ -109,7 +109,7 @@ def draw_learning(movements: Mapping[str, Sequence[Outcome]]) -> Figure:
     methods = by_method([outcome for some in movements.values() for outcome in some])
     seeds = len({outcome.trial.seed for some in movements.values() for outcome in some})
     keys: list[Artist] = [*method_keys(list(methods))]
-    if seeds > 1:
+    if seeds >= _FEWEST:
         text = f"{_CONFIDENCE:.0%} confidence of the mean of {seeds} trainings"
         keys.append(Patch(color="#777777", alpha=0.3, linewidth=0, label=text))
     keys.append(Line2D([], [], label="the paper: below 0.1 rad after about 150 of 200 batches", **PAPER))
@@ -125,7 +125,7 @@ def _draw_curve(panel: Axes, method: Method, seeds: Sequence[Outcome]) -> None:
     errors = np.log([curve["tracking_error"][:shortest] for curve in curves])
     mean = errors.mean(axis=0)
     panel.plot(batch, np.exp(mean), linewidth=1.6, **method_line(method))
-    if len(errors) > 1:
+    if len(errors) >= _FEWEST:
         quantile = student.ppf(0.5 + 0.5 * _CONFIDENCE, len(errors) - 1)
         half = quantile * errors.std(axis=0, ddof=1) / np.sqrt(len(errors))
         band = np.exp(mean - half), np.exp(mean + half)
