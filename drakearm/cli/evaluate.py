@@ -30,8 +30,6 @@ def evaluate(scenario: ScenarioArgument, out: Out = None, overwrite: Overwrite =
 def show_metrics(run: "RunFolder", metrics: dict[str, Any]) -> None:
     """Prints how the plan, the training and the evaluation of a run went."""
     from drakearm.figures import metrics_table
-    from drakearm.model import load_arm
 
-    joints = load_arm(run.scenario().arm).coordinates
-    console.print(metrics_table(metrics, run.read_json("plan", "plan"), joints))
+    console.print(metrics_table(metrics, run.read_json("plan", "plan")))
     say(f"files in {run.folder}")

@@ -12,18 +12,20 @@ __all__ = [
     "Preset",
     "RunFolder",
     "Scenario",
+    "SuccessCriterion",
     "evaluate_step",
+    "evaluation_metrics",
     "load_scenario",
     "make_env",
     "make_task_env",
     "make_vector_env",
     "plan_step",
     "replay_step",
+    "run_metrics",
     "run_policy",
     "run_policy_stochastic",
     "scenario_files",
     "scenario_task",
-    "tracking_metrics",
     "train_step",
 ]
 
@@ -31,10 +33,11 @@ if TYPE_CHECKING:
     from drakearm.experiments.catalog import scenario_files
     from drakearm.experiments.choices import EnvKind, Preset
     from drakearm.experiments.environments import make_env, make_task_env, make_vector_env, scenario_task
-    from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics
+    from drakearm.experiments.metrics import evaluation_metrics, run_metrics, run_policy, run_policy_stochastic
     from drakearm.experiments.run_folder import RunFolder
     from drakearm.experiments.scenario import Scenario, load_scenario
     from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
+    from drakearm.experiments.success import SuccessCriterion
 else:
     __getattr__, __dir__ = lazy_attributes(
         __name__,
@@ -42,9 +45,15 @@ else:
             "drakearm.experiments.catalog": ("scenario_files",),
             "drakearm.experiments.choices": ("EnvKind", "Preset"),
             "drakearm.experiments.environments": ("make_env", "make_task_env", "make_vector_env", "scenario_task"),
-            "drakearm.experiments.metrics": ("run_policy", "run_policy_stochastic", "tracking_metrics"),
+            "drakearm.experiments.metrics": (
+                "evaluation_metrics",
+                "run_metrics",
+                "run_policy",
+                "run_policy_stochastic",
+            ),
             "drakearm.experiments.run_folder": ("RunFolder",),
             "drakearm.experiments.scenario": ("Scenario", "load_scenario"),
             "drakearm.experiments.steps": ("evaluate_step", "plan_step", "replay_step", "train_step"),
+            "drakearm.experiments.success": ("SuccessCriterion",),
         },
     )

@@ -1,4 +1,4 @@
-"""How well a policy follows its reference: the numbers of metrics.json."""
+"""How good the runs of a policy are: the numbers of metrics.json."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -7,14 +7,20 @@ from platform import python_version
 from typing import Any
 
 import numpy as np
+from scipy.integrate import trapezoid
+from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.diagrams import MakePolicyLoop
+from drakearm.experiments.success import SuccessCriterion
 from drakearm.learning import Policy
+from drakearm.model import MakeTorqueArm
+from drakearm.model.clearance import Clearance
 from drakearm.model.recording import Recording
+from drakearm.model.skeleton import hand_motion
 from drakearm.task import TrackingTask
 
 STOCHASTIC_RUNS = 10
-SUCCESS = 0.1  # rad: a run is a success if the mean error of every joint is smaller
+_DENSE = 1e-3  # s, between the times at which the clearance is measured
 _PACKAGES = ("drakearm", "drake", "torch", "numpy", "numba", "gymnasium")
 
 
@@ -37,19 +43,44 @@ def run_policy_stochastic(task: TrackingTask, policy: Policy, seed: int) -> list
     return [MakePolicyLoop(task, partial(policy.act, rng=rng)).Run(rng) for rng in generators]
 
 
-def tracking_metrics(deterministic: Recording, stochastic: Sequence[Recording]) -> dict[str, Any]:
-    """The tracking errors, rad, one per joint, of the deterministic run and of the stochastic runs."""
-    error = _error(deterministic)
-    means = np.array([_error(run).mean(axis=0) for run in stochastic])
-    return {
+def run_metrics(task: TrackingTask, recording: Recording, criteria: Sequence[SuccessCriterion]) -> dict[str, Any]:
+    """What one run of a task is like, whatever moved the arm. Errors are those of the joints (rad, one per joint).
+
+    tracking_error_mean, tracking_error_max, end_error. hand_end_error_cm: from the end of the reference.
+    hand_end_speed: m/s. squared_activation: s, sum over the muscles, integrated over time. metabolic_energy: J, of all
+    muscles. success: whether the run meets each criterion, by its name. If the task has an obstacle and the arm has an
+    outline: clearance_cm and PART_clearance_cm, the least distance of the arm, and of each part, at any time.
+    """
+    error = np.abs(recording.q - recording.reference_q)
+    plant = MakeTorqueArm(task.arm)
+    goal, _ = hand_motion(plant, task.arm, task.reference.q[-1:], task.reference.v[-1:])
+    metrics: dict[str, Any] = {
         "tracking_error_mean": error.mean(axis=0).tolist(),
         "tracking_error_max": error.max(axis=0).tolist(),
         "end_error": error[-1].tolist(),
-        "success_rate": float((means.max(axis=1) < SUCCESS).mean()),
-        "stochastic_runs": {
-            "tracking_error_mean": means.tolist(),
-            "end_error": [_error(run)[-1].tolist() for run in stochastic],
-        },
+        "hand_end_error_cm": 100.0 * float(np.linalg.norm(recording.p_WH[-1] - goal[0])),
+        "hand_end_speed": float(recording.hand_speed[-1]),
+        "squared_activation": float(trapezoid((recording.activation**2).sum(axis=1), recording.t)),
+        "metabolic_energy": float(trapezoid(recording.metabolic_power.sum(axis=1), recording.t)),
+    }
+    if task.obstacle is not None and task.arm.outline:
+        distances = _least_distances(recording, Clearance(plant, task.arm, task.obstacle))
+        metrics["clearance_cm"] = 100.0 * float(distances.min())
+        for part, distance in zip(task.arm.outline, distances, strict=True):
+            metrics[f"{part.name}_clearance_cm"] = 100.0 * float(distance)
+    return metrics | {"success": {each.name: each(task, recording, metrics) for each in criteria}}
+
+
+def evaluation_metrics(
+    task: TrackingTask, noise_free: Recording, noisy: Sequence[Recording], criteria: Sequence[SuccessCriterion]
+) -> dict[str, Any]:
+    """The metrics of the run without noise, and of those with noise: per quantity a list with one value per run."""
+    first, others = run_metrics(task, noise_free, criteria), [run_metrics(task, run, criteria) for run in noisy]
+    return {
+        "joints": list(task.arm.coordinates),
+        "noise_free": first,
+        "noisy": {name: [run[name] for run in others] for name in first},
+        "success_rate": {each.name: float(np.mean([run["success"][each.name] for run in others])) for each in criteria},
     }
 
 
@@ -58,5 +89,8 @@ def versions() -> dict[str, str]:
     return {"python": python_version()} | {package: version(package) for package in _PACKAGES}
 
 
-def _error(recording: Recording) -> np.ndarray:
-    return np.abs(recording.q - recording.reference_q)
+def _least_distances(recording: Recording, clearance: Clearance) -> np.ndarray:
+    """Of the parts (c,), m, also between the samples, where cubic splines go through the angles and speeds."""
+    t = recording.t
+    times = np.linspace(t[0], t[-1], round((t[-1] - t[0]) / _DENSE) + 1)
+    return np.min([clearance(q)[0] for q in CubicHermiteSpline(t, recording.q, recording.v)(times)], axis=0)

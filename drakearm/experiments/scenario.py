@@ -13,6 +13,7 @@ from pydantic.dataclasses import dataclass
 from drakearm.errors import ScenarioError
 from drakearm.experiments.catalog import find_scenario
 from drakearm.experiments.choices import Preset
+from drakearm.experiments.success import FOLLOWS, Success
 from drakearm.files import read_yaml
 from drakearm.files.fields import STRICT, FileName, NonNegative, PlainText
 from drakearm.files.problems import describe
@@ -60,12 +61,25 @@ class Scenario:
     arm: ArmName = "arm14"  # name of a shipped arm, or a user's folder, relative to the scenario file
     load_mass: Annotated[NonNegative, Field(le=1000.0)] = 0.0  # kg, welded to the hand
     obstacle: Obstacle | None = None  # which the plan avoids
+    success: Annotated[tuple[Success, ...], Field(max_length=20)] = (FOLLOWS,)  # when a run is one
     training: PpoSettings = field(default_factory=PpoSettings)
     preset: Preset = Preset.drakearm
 
+    @field_validator("success")
+    @classmethod
+    def _different(cls, success: tuple[Success, ...]) -> tuple[Success, ...]:
+        names = [criterion.name for criterion in success]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"found two criteria with the name {name}, expected different ones")
+        return success
+
     def task(self, reference: Reference) -> TrackingTask:
-        """The task to follow a reference, with the senses, reward, start, load and obstacle of the scenario."""
-        return TrackingTask(
+        """The task to follow a reference, with the senses, reward, start, load and obstacle of the scenario.
+
+        Raises ScenarioError or TaskError if the scenario's criteria of success, or its reward, do not fit the arm.
+        """
+        task = TrackingTask(
             arm=load_arm(self.arm),
             reference=reference,
             reward=self.tracking.reward,
@@ -74,6 +88,9 @@ class Scenario:
             load_mass=self.load_mass,
             obstacle=self.obstacle,
         )
+        for criterion in self.success:
+            criterion.check(task)
+        return task
 
 
 def load_scenario(scenario: str | Path) -> Scenario:

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from drakearm.errors import RunFolderError, TrainingError, shown
 from drakearm.experiments.choices import EnvKind, Preset
 from drakearm.experiments.environments import make_training_envs
-from drakearm.experiments.metrics import run_policy, run_policy_stochastic, tracking_metrics, versions
+from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_policy_stochastic, versions
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import Scenario, load_scenario
 from drakearm.figures import write_plan_picture
@@ -137,11 +137,11 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
         recording, noisy = run_policy(task, policy), run_policy_stochastic(task, policy, training["seed"])
         metrics = {
             "scenario": scenario.name,
-            **tracking_metrics(recording, noisy),
+            "seed": training["seed"],
+            **evaluation_metrics(task, recording, noisy, scenario.success),
             "training_steps": training["steps"],
             "training_seconds": training["seconds"],
             "plan_seconds": planned["seconds"],
-            "seed": training["seed"],
             "versions": versions(),
         }
         with run.replacing("evaluate", arm_folder(scenario.arm)) as new:

@@ -110,6 +110,11 @@ _SCENARIO = {
             {"type": "obstacle_distance", "weight": 0.1},
         ],
     },
+    "success": [
+        {"type": "no_contact"},
+        {"type": "hand_at_goal", "within": 0.01},
+        {"type": "joint_error", "of": "end", "below": 0.1, "joints": ["elbow"]},
+    ],
     "tracking": {
         "observation": "full",
         "start_noise_deg": 0.5,

@@ -11,7 +11,15 @@ from typing import Any
 import numpy as np
 
 from drakearm.errors import RunFolderError
-from drakearm.experiments import RunFolder, evaluate_step, load_scenario, make_task_env, replay_step, tracking_metrics
+from drakearm.experiments import (
+    RunFolder,
+    evaluate_step,
+    evaluation_metrics,
+    load_scenario,
+    make_task_env,
+    replay_step,
+    run_metrics,
+)
 from drakearm.files import read_json
 from drakearm.learning import ArmVectorEnv, Policy
 from drakearm.model import load_arm
@@ -89,16 +97,18 @@ def use_reference(folder: Path) -> Any:
 
 def use_recording(folder: Path) -> Any:
     """Computes the metrics of a recording."""
+    scenario = load_scenario(folder / "scenario.yaml")
     recording = Recording.load(folder / "run" / "recording.npz")
     recording.check(load_arm(folder / "arm"))
-    return tracking_metrics(recording, [recording])
+    return run_metrics(scenario.task(_reference(folder)), recording, scenario.success)
 
 
 def use_recordings(folder: Path) -> Any:
     """Computes the metrics of the runs with noise."""
-    first, *others = load_recordings(folder / "run" / "noisy.npz")
-    first.check(load_arm(folder / "arm"))
-    return tracking_metrics(first, others or [first])
+    scenario = load_scenario(folder / "scenario.yaml")
+    recordings = load_recordings(folder / "run" / "noisy.npz")
+    recordings[0].check(load_arm(folder / "arm"))
+    return evaluation_metrics(scenario.task(_reference(folder)), recordings[0], recordings, scenario.success)
 
 
 def use_policy(folder: Path) -> Any:

@@ -100,6 +100,14 @@ def test_wrong_field_is_named(tmp_path, change, named):
         (None, "name", "../../x", "name: found '../../x', expected a name without slashes"),
         (None, "arm", "", "arm: found '', expected at least 1 character"),
         (None, "load_mass", 1e9, "load_mass: found 1000000000.0, expected a number less than or equal to 1000"),
+        (None, "success", [{"type": "joy"}], "success.0.type: found 'joy', expected one of hand_at_goal, joint_error"),
+        (
+            None,
+            "success",
+            [{"type": "joint_error", "of": "end"}],
+            "success.0.joint_error.below: is missing, but required",
+        ),
+        (None, "success", [{"type": "no_contact"}] * 2, "found two criteria with the name no_contact"),
         (None, "preset", "x", "preset: found 'x', expected 'drakearm' or 'paper'"),
     ],
 )
