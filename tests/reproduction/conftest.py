@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from drakearm.diagrams import MakeStaticLoop
+from drakearm.experiments.metrics import evaluation_metrics
+from drakearm.experiments.success import FOLLOWS
 from drakearm.model.recording import Recording
 from drakearm.planning.feasibility import muscle_feasibility
 from drakearm.reproduction.trial import Method, Outcome, Trial
@@ -34,25 +36,10 @@ def make_outcome(task, runs):
             noise_free=runs[0],
             noisy=tuple(noisy),
             perturbed=tuple(noisy),
-            metrics={"noise_free": _metrics(runs[0]), "noisy": _listed([_metrics(run) for run in noisy])},
+            metrics=evaluation_metrics(task, runs[0], noisy, [FOLLOWS]),
             learning_curve={"batch": batch, "tracking_error": 0.5 * np.exp(-batch / 10)} if learns else None,
             feasibility=feasibility,
             seconds={"plan": 0.1, "train": 2.0 if learns else 0.0, "evaluate": 0.5},
         )
 
     return make
-
-
-def _metrics(run: Recording) -> dict:
-    error = np.abs(run.q - run.reference_q)
-    return {
-        "tracking_error_mean": error.mean(axis=0).tolist(),
-        "end_error": error[-1].tolist(),
-        "hand_end_error_cm": 0.0,
-        "squared_activation": float((run.activation**2).sum(axis=1).mean()),
-        "metabolic_energy": float(run.metabolic_power.sum(axis=1).mean()),
-    }
-
-
-def _listed(metrics: list[dict]) -> dict:
-    return {name: [each[name] for each in metrics] for name in metrics[0]}

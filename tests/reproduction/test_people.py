@@ -11,7 +11,9 @@ from drakearm.reproduction.people import PEOPLE, load_people
 from drakearm.reproduction.speed_profile import correlation
 
 
-@pytest.mark.parametrize("group, with_minimum_jerk, ceiling", [("single_peaked_under_1.2s", 0.972, 0.983), ("under_1s", 0.974, 0.985)])  # fmt: skip
+@pytest.mark.parametrize(
+    "group, with_minimum_jerk, ceiling", [("single_peaked_under_1.2s", 0.972, 0.983), ("under_1s", 0.974, 0.985)]
+)
 def test_correlations_are_those_of_the_source(group, with_minimum_jerk, ceiling):
     people = load_people(group)
     assert correlation(people.mean, minimum_jerk_profile().speed) == pytest.approx(with_minimum_jerk, abs=5e-4)
