@@ -29,8 +29,7 @@ def write_report(
     command: that made the outcomes. replays: paths of the replays of some trials, relative to the folder. tables:
     further ones, at the end of the report. Raises StorageError if a file cannot be written.
     """
-    results = collect_results(experiments, outcomes, command)
-    results["tables"] = [table.content for table in tables]
+    results = collect_results(experiments, outcomes, command, tables)
     with replacement(folder / "results.json") as partial:
         partial.write_text(json.dumps(results, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     sections = []

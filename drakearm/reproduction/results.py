@@ -7,6 +7,7 @@ import numpy as np
 
 from drakearm.experiments.metrics import versions
 from drakearm.reproduction.experiment import Experiment, by_method
+from drakearm.reproduction.page import Table
 from drakearm.reproduction.rows import Row
 from drakearm.reproduction.trial import Outcome
 
@@ -20,8 +21,13 @@ def outcomes_of(experiment: Experiment, outcomes: Sequence[Outcome]) -> list[Out
     return [found[trial] for trial in trials if trial in found]
 
 
-def collect_results(experiments: Sequence[Experiment], outcomes: Sequence[Outcome], command: str) -> dict[str, Any]:
-    """The tables of the experiments that have outcomes, and the seconds that they took. command: that made them."""
+def collect_results(
+    experiments: Sequence[Experiment], outcomes: Sequence[Outcome], command: str, tables: Sequence[Table] = ()
+) -> dict[str, Any]:
+    """The tables of the experiments that have outcomes, the seconds that they took, and further tables.
+
+    command: that made them.
+    """
     found = [(experiment, outcomes_of(experiment, outcomes)) for experiment in experiments]
     return {
         "command": command,
@@ -32,12 +38,13 @@ def collect_results(experiments: Sequence[Experiment], outcomes: Sequence[Outcom
                 "text": experiment.text,
                 "seeds": len({outcome.trial.seed for outcome in some}),
                 "movements": len({outcome.trial.scenario for outcome in some}),
-                "rows": [_row(row) for row in experiment.rows(some)],
+                "rows": [_row(row) for row in experiment.rows(some) if row.values],
                 "seconds": {str(method): _seconds(trials) for method, trials in by_method(some).items()},
             }
             for experiment, some in found
             if some
         },
+        "tables": [table.content for table in tables],
     }
 
 
