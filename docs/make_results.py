@@ -1,102 +1,114 @@
-"""Runs every shipped scenario, lifting with both of the paper's reward weightings, and writes docs/results.md.
+"""Writes docs/results.md from the numbers of a reproduction of the paper's experiments.
 
-`python docs/make_results.py` takes about ten minutes on two cores without other work and keeps the runs in
-runs/results. It uses the runs that are there already: remove that folder to start again. `--quick` only checks that it
-works: it trains one scenario briefly in a temporary folder and prints the page.
+`drakearm reproduce all` writes them into a file, results.json; then `python docs/make_results.py FILE` writes the page.
+`--quick` only checks that it works: it prints the page of one movement, by static optimization.
 """
 
 import argparse
-import logging
-import tempfile
+import json
+from collections.abc import Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
-import yaml
-from rich.progress import track
+import numpy as np
 
-from drakearm.experiments import RunFolder, evaluate_step, plan_step, replay_step, scenario_files, train_step
+from drakearm.diagrams import MakeStaticLoop
+from drakearm.experiments import load_scenario
+from drakearm.experiments.metrics import evaluation_metrics
+from drakearm.model import load_arm
+from drakearm.planning import muscle_feasibility, plan
+from drakearm.reproduction.catalog import EXPERIMENTS
+from drakearm.reproduction.results import collect_results
+from drakearm.reproduction.trial import Method, Outcome, Trial
 
-RUNS = Path("runs/results")
 PAGE = Path(__file__).parent / "results.md"
-WEAK_SHOULDER = 0.2  # the paper's second weighting of the lifts: elbow 1, shoulder 0.2
-SEED = 0
-QUICK_SCENARIO, QUICK_BATCHES = "lift-5kg, shoulder 0.2", 2
 
-_HEAD = f"""# Every shipped movement, planned and learned
-Made by `python docs/make_results.py`: each scenario with its default settings and seed {SEED}, evaluated on the Drake
-Diagram. The errors, in rad, are those of shoulder / elbow without noise on the excitations: the mean and the largest
-error over the movement, and the error at its end. The training time, in seconds, includes imitation; training uses two
-cores. The column "muscles" says whether static optimization finds activations that follow the plan, and up to which
-activation, or how much torque the muscles lack. If they lack torque, no excitations can follow the plan, and the errors
-show how far the movement is from it. The success rate is the share of the runs with noise that meet a criterion of the
-scenario; its file says what the criterion asks for.
+_HEAD = """# The paper's experiments, reproduced
+Made by `{command}` and `python docs/make_results.py`, with
+{versions}.
 
-| scenario | plan | muscles | mean error | largest error | end error | success rate with noise | training (s) |
-|---|---|---|---|---|---|---|---|
+All runs are simulations of the arm's Drake Diagram. *Static optimization* (computed muscle control) does not learn.
+*PPO alone* learns as in the paper: 28 observations, random weights, no teacher. The *default* imitates static
+optimization before PPO. A value is the mean ± the standard deviation over all runs with noise; with several seeds, the
+standard deviation between the seeds' means follows. The paper is Denizdurduran, Markram and Gewaltig, Biological
+Cybernetics 116, 2022. The people are seven persons of HuG-MP
+([credits](../drakearm/reproduction/people/CREDITS.md)), and not those with whom the paper compares.
 """
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="prints a page of one scenario, trained briefly")
-    logging.getLogger("drake").setLevel(logging.WARNING)  # Meshcat announces itself when a replay is written
-    if parser.parse_args().quick:
-        with tempfile.TemporaryDirectory() as folder:
-            runs = Path(folder)
-            print(_HEAD + row(QUICK_SCENARIO, find_scenarios(runs)[QUICK_SCENARIO], runs, QUICK_BATCHES))
+    parser.add_argument("file", type=Path, nargs="?", help="the results.json of a reproduction")
+    parser.add_argument("--quick", action="store_true", help="prints the page of one movement")
+    options = parser.parse_args()
+    if options.quick:
+        print(page(quick_results()))
+    elif options.file is None:
+        parser.error("expected the results.json of a reproduction, or --quick")
     else:
-        rows = [row(name, file, RUNS) for name, file in track(list(find_scenarios(RUNS).items()), "running")]
-        PAGE.write_text(_HEAD + "\n".join(rows) + "\n", encoding="utf-8")
+        PAGE.write_text(page(json.loads(options.file.read_text(encoding="utf-8"))), encoding="utf-8")
         print(f"wrote {PAGE}")
 
 
-def find_scenarios(runs: Path) -> dict[str, Path]:
-    """The shipped scenarios, and each lift once more with a weak reward for the shoulder, in a file of the runs."""
-    files = dict(scenario_files())
-    for name in [name for name in files if name.startswith("lift-")]:
-        fields = yaml.safe_load(files[name].read_text())
-        reward = fields["tracking"]["reward"]
-        fields["tracking"]["reward"] = {term: [WEAK_SHOULDER * w[0], w[1]] for term, w in reward.items()}
-        fields["name"] = f"{name}, shoulder {WEAK_SHOULDER}"
-        file = runs / "scenarios" / f"{name}-weak-shoulder.yaml"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(yaml.safe_dump(fields, sort_keys=False))
-        files[fields["name"]] = file
-    return files
+def page(results: Mapping[str, Any]) -> str:
+    """The page, as Markdown: a section per experiment, a table per group of its rows, and the further tables."""
+    versions = ", ".join(f"{name} {number}" for name, number in results["versions"].items())
+    parts = [_HEAD.format(command=results["command"], versions=versions)]
+    for experiment in results["experiments"].values():
+        parts.append(f"## {experiment['title']}\n{fill(experiment['text'], 120)}\n")
+        for group, found in groupby(experiment["rows"], key=lambda row: row["group"]):
+            rows = [[with_note(row["quantity"], row["note"]), row["paper"], *texts(row)] for row in found]
+            heading = [f"**{group}**\n"] if group else []
+            parts += [*heading, markdown(["quantity", "paper", *Method], rows)]
+        parts.append(f"Mean time per movement: {seconds(experiment['seconds'])}.\n")
+    for table in results["tables"]:
+        rows = [[cell if isinstance(cell, str) else with_note(*cell) for cell in cells] for _, *cells in table["rows"]]
+        parts += [f"## {table['title']}", markdown(table["head"], rows)]
+    return "\n".join(parts)
 
 
-def row(name: str, file: Path, runs: Path, batches: int | None = None) -> str:
-    """A row of the table. It comes from the scenario's run, which is made if there is none yet.
-
-    batches: of training, in place of the scenario's number.
-    """
-    run = RunFolder(runs / file.stem)
-    if not run.path("replay").exists():
-        plan_step(run, file)
-        train_step(run, seed=SEED, batches=batches)
-        evaluate_step(run)
-        replay_step(run)
-    plan, metrics = run.read_json("plan", "plan"), run.read_json("metrics", "evaluate")
-    cells = [
-        name,
-        plan["status"],
-        muscle_verdict(plan["feasibility"]),
-        *(per_joint(metrics["noise_free"][key]) for key in ("tracking_error_mean", "tracking_error_max", "end_error")),
-        ", ".join(f"{name} {share:.0%}" for name, share in metrics["success_rate"].items()),
-        f"{metrics['training_seconds']:.0f}",
-    ]
-    return f"| {' | '.join(cells)} |"
+def markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in [head, ["---"] * len(head), *rows])
 
 
-def muscle_verdict(feasibility: dict[str, Any]) -> str:
-    if feasibility["feasible"]:
-        return f"can, up to {feasibility['largest_activation']:.2f}"
-    lacking = {joint: torque for joint, torque in feasibility["largest_reserve"].items() if torque > 0.01}
-    return "lack " + ", ".join(f"{joint} {torque:.3g} Nm" for joint, torque in lacking.items())
+def texts(row: Mapping[str, Any]) -> list[str]:
+    """The values of a row's methods, empty where there is none."""
+    return [row["values"][method]["text"] if method in row["values"] else "" for method in Method]
 
 
-def per_joint(values: list[float]) -> str:
-    return " / ".join(f"{value:.4f}" for value in values)
+def with_note(text: str, note: str) -> str:
+    return f"{text}<br>*{note}*" if note else text
+
+
+def seconds(methods: Mapping[str, Mapping[str, Mapping[str, float]]]) -> str:
+    """How long the parts of a trial took, in words."""
+    return "; ".join(
+        f"{method} " + ", ".join(f"{part} {taken['mean']:.1f} s" for part, taken in parts.items())
+        for method, parts in methods.items()
+    )
+
+
+def quick_results() -> dict[str, Any]:
+    """The results of one movement, which static optimization makes twice with noise."""
+    scenario = load_scenario("timing-0.4s")
+    planned = plan(load_arm(scenario.arm), scenario.movement)
+    task = scenario.task(planned.reference)
+    loop = MakeStaticLoop(task)
+    runs = [loop.Run(), *(loop.Run(np.random.default_rng(seed)) for seed in range(2))]
+    outcome = Outcome(
+        trial=Trial(scenario.name, Method.static),
+        task=task,
+        noise_free=runs[0],
+        noisy=tuple(runs[1:]),
+        perturbed=(),
+        metrics=evaluation_metrics(task, runs[0], runs[1:], scenario.success),
+        learning_curve=None,
+        feasibility=muscle_feasibility(task.arm, task.reference),
+        seconds={"plan": planned.seconds},
+    )
+    return collect_results(list(EXPERIMENTS.values()), [outcome], "python docs/make_results.py --quick")
 
 
 if __name__ == "__main__":

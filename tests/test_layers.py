@@ -16,6 +16,7 @@ LAYERS = [  # lowest first
     {"planning", "learning"},
     {"figures", "replay"},
     {"experiments"},
+    {"reproduction"},
     {"cli"},
 ]
 LEVEL = {room: level for level, layer in enumerate(LAYERS) for room in sorted(layer)}

@@ -8,7 +8,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from drakearm.figures.side_view import SideView
+from drakearm.figures.side_view import SideView, capsule_edge
 from drakearm.figures.style import NOTE_COLOR, finish_panel, joint_color, literal_text, save_picture
 from drakearm.planning.feasibility import NEGLIGIBLE
 from drakearm.planning.plan_report import PlanReport
@@ -147,7 +147,7 @@ def _draw_arm(panel: Axes, report: PlanReport) -> None:
         panel.add_patch(Circle((x, y), obstacle.radius, color=_OBSTACLE, zorder=3))
         nearest = np.array([np.interp(found.nearest_time, reference.t, angles) for angles in reference.q.T])
         for a, b, radius in view.outline(nearest):
-            panel.fill(*_capsule(a, b, radius).T, color=_NEAREST, alpha=0.35, linewidth=0, zorder=2.5)
+            panel.fill(*capsule_edge(a, b, radius).T, color=_NEAREST, alpha=0.35, linewidth=0, zorder=2.5)
         title += f", nearest at {found.nearest_time:.2f} s: {100 * found.clearance:.2g} cm"
     panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold")
     panel.margins(0.08)
@@ -155,14 +155,6 @@ def _draw_arm(panel: Axes, report: PlanReport) -> None:
     panel.legend(loc="best", fontsize=_FONT - 1, framealpha=0.7, edgecolor="none")
     finish_panel(panel)
     panel.tick_params(labelsize=_FONT)
-
-
-def _capsule(a: np.ndarray, b: np.ndarray, radius: float) -> np.ndarray:
-    """The edge (N, 2) of everything within a radius of the line from a to b."""
-    along = np.arctan2(*(b - a)[::-1])
-    half = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 24)
-    arcs = [(b, along + half), (a, along + np.pi + half)]
-    return np.vstack([end + radius * np.column_stack([np.cos(turn), np.sin(turn)]) for end, turn in arcs])
 
 
 def _draw_activations(panel: Axes, report: PlanReport) -> None:

@@ -56,3 +56,11 @@ class SideView:
             )
 
         return [(place(part.ends[0]), place(part.ends[1]), part.radius) for part in self._arm.outline]
+
+
+def capsule_edge(a: np.ndarray, b: np.ndarray, radius: float) -> np.ndarray:
+    """The edge (N, 2) of everything within a radius of the line from a to b."""
+    along = np.arctan2(*(b - a)[::-1])
+    half = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 24)
+    arcs = [(b, along + half), (a, along + np.pi + half)]
+    return np.vstack([end + radius * np.column_stack([np.cos(turn), np.sin(turn)]) for end, turn in arcs])

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from drakearm.files import replacement
 
 # Okabe and Ito's colors, which color-blind readers can tell apart
-_JOINT_COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")
 NOTE_COLOR = "#555555"  # of text that explains
 
 # Decorates what draws a user's names: a $ in them is no formula, and they are no LaTeX code.
@@ -18,7 +18,7 @@ literal_text = rc_context({"text.parse_math": False, "text.usetex": False})
 
 def joint_color(joint: int) -> str:
     """The color of a joint, by its place in the arm's coordinates."""
-    return _JOINT_COLORS[joint % len(_JOINT_COLORS)]
+    return COLORS[joint % len(COLORS)]
 
 
 def finish_panel(panel: Axes) -> None:
