@@ -20,6 +20,7 @@ from drakearm.figures import write_plan_picture
 from drakearm.learning import BatchReport, Policy, PpoSettings, imitate, train
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor
+from drakearm.learning.survey import survey
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording, save_recordings
@@ -97,6 +98,8 @@ def train_step(
         start = time.perf_counter() - (earlier["seconds"] if earlier else 0.0)
 
         def prepare(actor: Actor) -> InputScaling:
+            if not rounds:
+                return survey([task], settings.initial_action, settings.initial_std, seed)
             return imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
 
         def keep(report: BatchReport) -> None:
@@ -117,7 +120,7 @@ def train_step(
                 settings,
                 seed=seed,
                 metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
-                prepare=prepare if rounds else None,
+                prepare=prepare,
                 log_path=work / run.path("training_log").name,
                 checkpoint_path=work / run.path("policy").name,
                 resume_path=work / run.path("checkpoint").name,
