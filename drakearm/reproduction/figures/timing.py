@@ -75,8 +75,8 @@ def _draw_end_errors(panel: Axes, outcomes: Sequence[Outcome]) -> None:
         panel.plot(at, errors, linestyle="", markersize=3.5, markerfacecolor="none", **method_marker(method))
         shown += list(errors)
     panel.axhline(LEARNED, **PAPER)
-    _log_scale(panel)
     panel.set(xlim=(0, 100), xticks=(0, 50, 100), ylim=(0.8 * min(shown), 1.5 * max(shown)))
+    _log_scale(panel)
 
 
 def _log_scale(panel: Axes) -> None:
