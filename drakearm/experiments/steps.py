@@ -16,7 +16,7 @@ from drakearm.experiments.environments import make_training_envs
 from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_policy_stochastic, versions
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import Scenario, load_scenario
-from drakearm.figures import write_plan_picture
+from drakearm.figures import Movement, write_movement_picture, write_plan_picture
 from drakearm.learning import BatchReport, Policy, PpoSettings, imitate, train
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor
@@ -131,7 +131,10 @@ def train_step(
 
 
 def evaluate_step(run: RunFolder) -> dict[str, Any]:
-    """Runs the policy in closed loop on the Diagram. Writes its recordings and metrics.json, and returns the latter."""
+    """Runs the policy in closed loop on the Diagram. Writes recordings, movement.png and metrics.json.
+
+    Returns the content of metrics.json.
+    """
     with run.locked():
         policy = Policy.load(run.existing("policy", "train"))
         training = run.read_json("training", "train")
@@ -151,6 +154,8 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
         with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
             recording.save(new.path("recording"))
             save_recordings(noisy, new.path("noisy"))
+            movement = Movement(task, recording, noisy, metrics, scenario.name, scenario.description)
+            write_movement_picture(movement, new.path("movement_picture"))
             new.write_record(metrics)
         return metrics
 
