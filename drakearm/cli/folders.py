@@ -1,5 +1,6 @@
 """The run folder that a command works in. While it works there, no other command can."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -37,6 +38,20 @@ def planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]"
         if expected != found:
             raise RunFolderError(f"{run.folder} holds a run of {found}: expected {expected}.")
         yield run
+
+
+@contextmanager
+def existing_run(run: str) -> "Iterator[RunFolder]":
+    """The folder of a run, locked: the given folder, or that of the scenario with this name or file in runs/.
+
+    Raises RunFolderError if there is no run, ScenarioError if there is neither such a folder nor such a scenario.
+    """
+    from drakearm.experiments import RunFolder
+
+    folder = RunFolder(Path(run)) if os.path.isdir(run) else _folder_of(run, None)
+    folder.existing("scenario", f"plan {run}")
+    with folder.locked():
+        yield folder
 
 
 def _folder_of(scenario: str, out: Path | None) -> "RunFolder":
