@@ -25,6 +25,24 @@ def run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
 
 
 @contextmanager
+def learned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
+    """The folder of a run that has a policy, locked. A new folder gets the policy that drakearm ships for the scenario.
+
+    Raises RunFolderError if the folder has no policy and none is shipped.
+    """
+    from drakearm.experiments import adopt_step, shipped_run
+
+    run, shipped = _folder_of(scenario, out), shipped_run(scenario)
+    if shipped and not run.path("scenario").exists():
+        with run.locked():
+            adopt_step(run, scenario, shipped)
+        say("using the policy that drakearm ships for this movement")
+    with planned_run_folder(scenario, out) as run:
+        run.existing("policy", f"train {scenario}")
+        yield run
+
+
+@contextmanager
 def planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
     """The folder of a run that has a plan, locked. Raises RunFolderError if it has none, or one of another scenario."""
     from drakearm.experiments import load_scenario

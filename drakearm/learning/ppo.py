@@ -42,10 +42,10 @@ class PpoSettings:
     """How to train. The defaults start from imitation. `PAPER`, as in the paper, starts from random weights."""
 
     batches: Annotated[Whole, Field(gt=0, le=1_000_000)] = 60  # rounds of collecting and updating
-    environments: Annotated[Whole, Field(gt=0, le=4096)] = 32  # arms: the vector environment must hold as many
+    environments: Annotated[Whole, Field(gt=0, le=4096)] = 64  # arms: the vector environment must hold as many
     steps: Annotated[Whole, Field(gt=0, le=100_000)] = 75  # control steps per environment and batch
-    epochs: Annotated[Whole, Field(gt=0, le=100)] = 10  # passes over a batch
-    minibatches: Annotated[Whole, Field(gt=0, le=10_000)] = 8  # updates per pass
+    epochs: Annotated[Whole, Field(gt=0, le=100)] = 5  # passes over a batch
+    minibatches: Annotated[Whole, Field(gt=0, le=10_000)] = 16  # updates per pass
     learning_rate: Annotated[Positive, Field(le=1.0)] = 3e-5  # the actor's in the first batch
     target_kl: Positive | None = 0.1  # nats per batch, held by the learning rate; None: this falls linearly to 0
     critic_learning_rate: Annotated[Positive, Field(le=1.0)] = 1e-3  # in the first batch; it falls linearly to 0
@@ -74,6 +74,9 @@ class PpoSettings:
 
 PAPER = PpoSettings(
     batches=200,
+    environments=32,
+    epochs=10,
+    minibatches=8,
     learning_rate=1e-3,
     target_kl=None,
     initial_std=0.3,
