@@ -73,7 +73,7 @@ def draw_movement(movement: Movement) -> Figure:
     figure = Figure(figsize=(13.5, 11.0), facecolor="white")
     left = figure.add_gridspec(4, 1, left=0.065, right=0.485, top=0.835, bottom=0.05, hspace=0.36)
     right = figure.add_gridspec(
-        3, 1, left=0.58, right=0.975, top=0.835, bottom=0.05, hspace=0.34, height_ratios=(1.15, 1.3, 0.75)
+        3, 1, left=0.58, right=0.965, top=0.835, bottom=0.05, hspace=0.34, height_ratios=(1.15, 1.3, 0.75)
     )
     views = right[0].subgridspec(1, 2, wspace=0.28)
     rows = [figure.add_subplot(left[i]) for i in range(4)]
@@ -90,7 +90,9 @@ def draw_movement(movement: Movement) -> Figure:
     _draw_arm(figure.add_subplot(views[0]), movement)
     _draw_hand_path(figure.add_subplot(views[1]), movement)
     raster = figure.add_subplot(right[1])
-    draw_raster(raster, movement.recording.t, movement.recording.activation, movement.task.arm.muscle_names)
+    activation = movement.recording.activation
+    top = float(np.clip(np.ceil(10.0 * activation.max()) / 10.0, 0.1, 1.0))  # weak movements would be all gray
+    draw_raster(raster, movement.recording.t, activation, movement.task.arm.muscle_names, top)
     _title(raster, "activations")
     _head(figure, movement)
     return figure

@@ -46,13 +46,16 @@ def finish_time_axis(panel: Axes, end: float, last: float) -> None:
     finish_panel(panel)
 
 
-def draw_raster(panel: Axes, t: np.ndarray, activation: np.ndarray, names: Sequence[str]) -> None:
-    """Activations (N, n) at evenly spaced times t (N,), s: one row per muscle, and a bar that explains the colors."""
+def draw_raster(panel: Axes, t: np.ndarray, activation: np.ndarray, names: Sequence[str], top: float = 1.0) -> None:
+    """Activations (N, n) at evenly spaced times t (N,), s: one row per muscle, and a bar that explains the colors.
+
+    top: the activation of the strongest color.
+    """
     colors = ListedColormap(activation_color(np.linspace(0.0, 1.0, 256)))
     half = 0.5 * (t[1] - t[0])
     extent = (t[0] - half, t[-1] + half, len(names) - 0.5, -0.5)
     cells = activation.T
-    image = panel.imshow(cells, cmap=colors, aspect="auto", interpolation="nearest", extent=extent, vmin=0.0, vmax=1.0)
+    image = panel.imshow(cells, cmap=colors, aspect="auto", interpolation="nearest", extent=extent, vmin=0.0, vmax=top)
     panel.set_yticks(range(len(names)), names)
     panel.set_xlabel("time (s)", fontsize=FONT)
     panel.set_xlim(t[0], t[-1])
