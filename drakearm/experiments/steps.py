@@ -17,10 +17,7 @@ from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_pol
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import Scenario, load_scenario
 from drakearm.figures import Movement, write_movement_picture, write_plan_picture
-from drakearm.learning import BatchReport, Policy, PpoSettings, imitate, train
-from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor
-from drakearm.learning.survey import survey
+from drakearm.learning import BatchReport, Policy, PpoSettings, prepare, train
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording, save_recordings
@@ -87,7 +84,6 @@ def train_step(
         settings = _with_batches(scenario.training, batches)
         task = _task(run, scenario)
         arm = arm_folder(scenario.arm)
-        rounds = settings.imitation_rounds
         setup = {"seed": seed, "env": env.value, "settings": asdict(settings)}
         earlier = _earlier_training(run, setup) if resume else None
         if earlier and earlier["finished"]:
@@ -97,10 +93,9 @@ def train_step(
             shutil.copy(run.existing("training_log", "train --overwrite"), work)
         start = time.perf_counter() - (earlier["seconds"] if earlier else 0.0)
 
-        def prepare(actor: Actor) -> InputScaling:
-            if not rounds:
-                return survey([task], settings.initial_action, settings.initial_std, seed)
-            return imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
+        def show_round(number: int) -> None:
+            if on_round:
+                on_round(number, settings.imitation_rounds)
 
         def keep(report: BatchReport) -> None:
             """Puts the policy, the log and the progress of the training into the run folder, all together."""
@@ -120,7 +115,7 @@ def train_step(
                 settings,
                 seed=seed,
                 metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
-                prepare=prepare,
+                prepare=lambda actor: prepare(actor, [task], settings, seed, show_round),
                 log_path=work / run.path("training_log").name,
                 checkpoint_path=work / run.path("policy").name,
                 resume_path=work / run.path("checkpoint").name,
