@@ -9,14 +9,14 @@ from drakearm.experiments.run_folder import STEPS, RunFolder
 from drakearm.experiments.steps import plan_step
 from drakearm.model.loader import arm_folder
 
-_POLICIES = Path(__file__).parents[1] / "policies"
+POLICIES = Path(__file__).parents[1] / "policies"
 _FILES = (*STEPS["train"].files, "metrics")  # of a run, by their names in RunFolder
 
 
 def shipped_run(scenario: str | Path) -> RunFolder | None:
     """The folder with the policy of a shipped scenario, how it was trained, and its metrics; None if there is none."""
     file = find_scenario(scenario)
-    folder = _POLICIES / file.stem
+    folder = POLICIES / file.stem
     return RunFolder(folder) if scenario_files().get(file.stem) == file and folder.is_dir() else None
 
 
@@ -30,9 +30,9 @@ def adopt_step(run: RunFolder, scenario: str | Path, shipped: RunFolder) -> None
         new.write_record(json.loads(shipped.path("training").read_text(encoding="utf-8")))
 
 
-def ship(run: RunFolder) -> Path:
-    """Makes the policy of an evaluated run the one that drakearm ships for its scenario. Returns its folder."""
-    folder = _POLICIES / run.scenario().name
+def ship(run: RunFolder, policies: Path) -> Path:
+    """Copies the policy of an evaluated run, and how it was trained, into a folder of policies. Returns its place."""
+    folder = policies / run.scenario().name
     folder.mkdir(parents=True, exist_ok=True)
     for name in _FILES:
         shutil.copyfile(run.existing(name, "evaluate"), folder / run.path(name).name)
