@@ -135,6 +135,7 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
         planned = run.read_json("plan", "plan")
         scenario = run.scenario()
         task = _task(run, scenario)
+        start = time.perf_counter()
         recording, noisy = run_policy(task, policy), run_policy_stochastic(task, policy, training["seed"])
         metrics = {
             "scenario": scenario.name,
@@ -143,6 +144,7 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
             "training_steps": training["steps"],
             "training_seconds": training["seconds"],
             "plan_seconds": planned["seconds"],
+            "evaluation_seconds": time.perf_counter() - start,
             "versions": versions(),
         }
         with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
