@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -164,9 +165,13 @@ def _main_rows(experiment: Mapping[str, Any]) -> "Table":
     from drakearm.reproduction.trial import Method
 
     table = Table("quantity", "paper", *Method, title=Text(experiment["title"]))
-    for row in experiment["rows"]:
-        if row["paper"]:
-            quantity = ": ".join(part for part in (row["group"], row["quantity"]) if part)
+    rows = [row for row in experiment["rows"] if row["paper"]]
+    for group, some in groupby(rows, key=lambda row: row["group"]):
+        table.add_section()
+        if group:
+            table.add_row(Text(group, "bold"))
+        for row in some:
             values = [row["values"].get(method, {}).get("text", "") for method in Method]
-            table.add_row(*map(Text, (quantity + (f", {row['note']}" if row["note"] else ""), row["paper"], *values)))
+            quantity = f"{row['quantity']}, {row['note']}" if row["note"] else row["quantity"]
+            table.add_row(*map(Text, (quantity, row["paper"], *values)))
     return table

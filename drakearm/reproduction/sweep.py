@@ -1,5 +1,6 @@
 """A sweep: many trials in parallel, each in its own folder."""
 
+import logging
 import os
 import signal
 import threading
@@ -49,7 +50,7 @@ def run_trials(
     worker before a trial, and must be picklable. Raises SweepError if the backend's package is missing, or if a worker
     is killed.
     """
-    board.clear()
+    board.clear()  # a killed sweep may have left posts
     ordered = sorted(folders, key=lambda folder: -folder.work)
     failures: dict[Trial, str] = {}
     ended: set[int] = set()
@@ -68,6 +69,9 @@ def run_trials(
                 "A worker ended unexpectedly: the same command continues; "
                 "if there was too little memory, with fewer --jobs."
             ) from error
+        finally:
+            results.close()
+            board.clear()
     return failures
 
 
@@ -98,6 +102,7 @@ def _become_worker(sweep: int) -> None:
     if os.getpid() == sweep:
         return
     torch.set_num_threads(1)
+    logging.getLogger("drake").setLevel(logging.WARNING)  # Meshcat announces itself when a replay is written
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the sweep ends its workers
     if os.getppid() == sweep:

@@ -24,6 +24,7 @@ from drakearm.reproduction.trial import Method, Outcome, Trial
 Tell = Callable[[float, str], None]  # told how much of the trial's work is done, and what is done now
 
 _RECORD = "trial.json"  # how the trial is made: another one is refused
+_READ = ("policy", "training_log", "metrics", "recording", "noisy", "robustness", "robust_runs", "single")
 _EVALUATION = 50_000  # control steps of training that take about as long as all that is not training
 _COMPARED = ("timing-0.7s", 0)  # scenario and seed of the trials that also run with one perturbation at a time
 
@@ -68,19 +69,11 @@ class TrialFolder:
 
     def check(self) -> None:
         """Raises RunFolderError if the folder holds something else than this trial, or a part of it."""
-        found = self._recorded()
-        if found is None:
-            return
-        problem = next((name for name, value in self._record().items() if found.get(name) != value), None)
-        if problem is None and self.run.path("scenario").exists():
-            problem = None if self.run.holds_plan_of(self.trial.scenario, self.preset) else "scenario file or arm"
-        for name in ("policy", *self._steps):
-            if problem is None and self.run.path(name).exists():
-                problem = self._problem(name)
+        problem = self._problem()
         if problem:
             raise RunFolderError(
-                f"{shown(self.run.folder)} was made with another {problem}: choose another folder with --out, or make "
-                "it again with --overwrite."
+                f"{shown(self.run.folder)} {problem}: choose another folder with --out, or make it again with "
+                "--overwrite."
             )
 
     def complete(self, tell: Tell, overwrite: bool = False) -> None:
@@ -105,15 +98,16 @@ class TrialFolder:
             if not static:
                 self._train(tell)
             steps = {
-                "metrics": static_step if static else evaluate_step,
-                "replay": replay_step,
-                "robustness": robust_step,
-                "single": single_step,
+                "metrics": ("evaluation", static_step if static else evaluate_step),
+                "replay": ("replay", replay_step),
+                "robustness": ("perturbed runs", robust_step),
+                "single": ("single perturbations", single_step),
             }
             for number, name in enumerate(self._steps):
                 if not run.path(name).exists():
-                    tell(self._training_work + _EVALUATION * number / len(self._steps), name)
-                    steps[name](run)
+                    text, step = steps[name]
+                    tell(self._training_work + _EVALUATION * number / len(self._steps), text)
+                    step(run)
 
     def outcome(self) -> Outcome:
         """What the finished trial gave, from its files. Raises RunFolderError if one is missing or damaged."""
@@ -162,20 +156,30 @@ class TrialFolder:
         return s.batches * s.environments * s.steps if s else 0.0
 
     def _record(self) -> dict[str, Any]:
-        record = {"seed": self.trial.seed, "settings": self.settings and asdict(self.settings), "versions": versions()}
-        return json.loads(json.dumps(record))
+        settings = asdict(self.settings) if self.settings else None
+        return json.loads(json.dumps({"settings": settings, "versions": versions()}))
 
     def _recorded(self) -> dict[str, Any] | None:
         """The record in the folder; None if the trial has not got so far."""
         file = self.run.folder / _RECORD
         return read_json(file, RunFolderError) if file.exists() else None
 
-    def _problem(self, name: str) -> str | None:
-        """What is different if a file is not the one that drakearm wrote, or does not belong to the others."""
-        try:
-            self.run.existing(name, "reproduce")
-        except RunFolderError:
-            return f"{self.run.path(name).name} than drakearm wrote"
+    def _problem(self) -> str | None:
+        """What is different about the folder, if it does not hold this trial."""
+        recorded = self._recorded()
+        if recorded is None:
+            return None
+        for name, value in self._record().items():
+            if recorded.get(name) != value:
+                return f"was made with other {name}"
+        if self.run.path("scenario").exists() and not self.run.holds_plan_of(self.trial.scenario, self.preset):
+            return "was made from another scenario file or arm"
+        for name in _READ:
+            try:
+                if self.run.path(name).exists():
+                    self.run.existing(name, "reproduce")
+            except RunFolderError:
+                return f"has another {self.run.path(name).name} than drakearm wrote"
         return None
 
 
