@@ -1,5 +1,6 @@
 """Where the trials of a sweep run: joblib's backends for the processes of this computer and for clusters."""
 
+import logging
 import os
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -37,19 +38,23 @@ def workers(backend: Backend | None, jobs: int | None) -> Iterator[None]:
                 f"`pip install drakearm[cluster-{backend}]` installs it."
             )
         config = {"backend": backend.value, "n_jobs": jobs or -1}
-        cluster = _dask_client() if backend is Backend.dask else _ray_driver()
+        cluster = _dask_client(jobs or usable_cores()) if backend is Backend.dask else _ray_driver()
     with cluster, parallel_config(**config):
         yield
 
 
 @contextmanager
-def _dask_client() -> Iterator[None]:
+def _dask_client(processes: int) -> Iterator[None]:
+    """The client that the caller has, or a new one. processes: of a new cluster."""
+    import dask
     from distributed import Client, get_client
 
     try:
-        get_client()  # that the caller has
+        get_client()
     except ValueError:
-        with Client():
+        address = dask.config.get("scheduler-address", None)
+        new = {} if address else {"n_workers": processes, "threads_per_worker": 1, "silence_logs": logging.CRITICAL}
+        with Client(address, **new):
             yield
     else:
         yield
@@ -64,7 +69,7 @@ def _ray_driver() -> Iterator[None]:
     if ray.is_initialized():  # by the caller
         yield
         return
-    ray.init(log_to_driver=False)
+    ray.init(log_to_driver=False, logging_level=logging.ERROR)
     try:
         yield
     finally:

@@ -1,4 +1,4 @@
-"""What the workers of a sweep do now: they post it in files, which also works between processes and computers."""
+"""What the trials of a sweep are at: their workers post it in files, which also works between computers."""
 
 import json
 import shutil
@@ -11,12 +11,12 @@ from drakearm.files import replacement
 class Post(NamedTuple):
     """The latest news of a trial."""
 
-    done: float  # share of its work
+    done: float  # share of its work; 1 if it has ended
     text: str  # what is done now
 
 
 class Board:
-    """A folder with a file for each trial that runs."""
+    """A folder with a file for each trial that has begun."""
 
     def __init__(self, folder: Path):
         self._folder = folder
@@ -30,19 +30,9 @@ class Board:
         with replacement(self._file(trial)) as partial:
             partial.write_text(json.dumps([done, text]), encoding="utf-8")
 
-    def remove(self, trial: str) -> None:
-        """Removes the post of a trial that has ended."""
-        self._file(trial).unlink(missing_ok=True)
-
     def read(self) -> dict[str, Post]:
-        """The posts of all trials that run, by their names."""
-        found = {}
-        for file in sorted(self._folder.glob("*.json")):
-            try:
-                found[file.stem] = Post(*json.loads(file.read_text(encoding="utf-8")))
-            except FileNotFoundError:
-                pass  # the trial has just ended
-        return found
+        """The posts of all trials that have begun, by their names."""
+        return {file.stem: Post(*json.loads(file.read_text(encoding="utf-8"))) for file in self._folder.glob("*.json")}
 
     def _file(self, trial: str) -> Path:
         return self._folder / f"{trial}.json"

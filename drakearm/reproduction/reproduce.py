@@ -58,16 +58,17 @@ def reproduce(
     folders: dict[Trial, TrialFolder] = {}
     with storage(folder, "cannot be made"):
         folder.mkdir(parents=True, exist_ok=True)
+    place = folder.absolute()  # workers may have another current folder
     with locked(folder):
         for trial in dict.fromkeys(trial for experiment in experiments for trial in experiment.trials(seeds)):
             try:
-                folders[trial] = TrialFolder(folder / TRIALS, trial, batches)
+                folders[trial] = TrialFolder(place / TRIALS, trial, batches)
             except DrakearmError as error:
                 failures[trial] = str(error)
         unfinished = [each for each in folders.values() if not (_belongs(each, overwrite) and each.finished)]
         failures |= run_trials(
             unfinished,
-            Board(folder / _BOARD),
+            Board(place / _BOARD),
             jobs=jobs,
             backend=backend,
             overwrite=overwrite,
@@ -77,7 +78,7 @@ def reproduce(
         made = {trial: each for trial, each in folders.items() if trial not in failures}
         outcomes = [each.outcome() for each in made.values()]
         shown = [outcome for experiment in experiments for outcome in _whole(experiment, outcomes, seeds)]
-        replays = {trial: str(each.run.path("replay").relative_to(folder)) for trial, each in made.items()}
+        replays = {trial: str(each.run.path("replay").relative_to(place)) for trial, each in made.items()}
         table = perturbation_table(list(made.values()))
         tables = [table] if table else []
         report = write_report(folder, experiments, shown, command, replays, tables) if shown else None

@@ -5,7 +5,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import lru_cache
 from typing import Protocol
@@ -22,7 +22,7 @@ from drakearm.reproduction.trial import Trial
 from drakearm.reproduction.trial_folder import TrialFolder
 
 _LOOK = 0.5  # s, between two looks at the board
-_LEAST, _SHORTEST = 0.005, 5.0  # share of the work that must be done, and time in s, before the rest is estimated
+_LEAST, _SHORTEST = 0.02, 5.0  # share of the work that must be done, and time in s, before the rest is estimated
 
 
 class Watch(Protocol):
@@ -52,48 +52,34 @@ def run_trials(
     """
     board.clear()  # a killed sweep may have left posts
     ordered = sorted(folders, key=lambda folder: -folder.work)
-    failures: dict[Trial, str] = {}
-    ended: set[int] = set()
-    tasks = (
-        delayed(_work)(number, folder, board, overwrite, prepare, os.getpid()) for number, folder in enumerate(ordered)
-    )
-    with workers(backend, jobs), _watching(ordered, ended, board, watch):
-        results = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")(tasks)
-        try:
-            for number, problem in results:
-                ended.add(number)
-                if problem is not None:
-                    failures[ordered[number].trial] = problem
-        except TerminatedWorkerError as error:
-            raise SweepError(
-                "A worker ended unexpectedly: the same command continues; "
-                "if there was too little memory, with fewer --jobs."
-            ) from error
-        finally:
-            results.close()
-            board.clear()
-    return failures
+    tasks = [delayed(_work)(folder, board, overwrite, prepare, os.getpid()) for folder in ordered]
+    try:
+        with workers(backend, jobs), _watching(ordered, board, watch):
+            problems = Parallel(batch_size=1, pre_dispatch="n_jobs")(tasks)
+    except TerminatedWorkerError as error:
+        raise SweepError(
+            "A worker ended unexpectedly: the same command continues; "
+            "with fewer --jobs, if there was too little memory."
+        ) from error
+    finally:
+        board.clear()
+    return {folder.trial: problem for folder, problem in zip(ordered, problems, strict=True) if problem is not None}
 
 
 def _work(
-    number: int,
-    folder: TrialFolder,
-    board: Board,
-    overwrite: bool,
-    prepare: Callable[[], None] | None,
-    sweep: int,
-) -> tuple[int, str | None]:
-    """Completes a trial. Returns its number, and why it failed, if it did. sweep: number of the process of the sweep"""
+    folder: TrialFolder, board: Board, overwrite: bool, prepare: Callable[[], None] | None, sweep: int
+) -> str | None:
+    """Completes a trial. Returns why it failed, if it did. sweep: number of the process of the sweep."""
     _become_worker(sweep)
     try:
         if prepare:
             prepare()
         folder.complete(lambda work, text: board.post(folder.label, work / folder.work, text), overwrite)
     except DrakearmError as error:
-        return number, str(error)
+        return str(error)
     finally:
-        board.remove(folder.label)
-    return number, None
+        board.post(folder.label, 1.0, "ended")
+    return None
 
 
 @lru_cache
@@ -117,10 +103,8 @@ def _end_with(sweep: int) -> None:
 
 
 @contextmanager
-def _watching(
-    folders: Sequence[TrialFolder], ended: Collection[int], board: Board, watch: Watch | None
-) -> Iterator[None]:
-    """Looks at the board again and again inside the `with` block. ended: the numbers of the trials that have ended."""
+def _watching(folders: Sequence[TrialFolder], board: Board, watch: Watch | None) -> Iterator[None]:
+    """Looks at the board again and again inside the `with` block."""
     if watch is None:
         yield
         return
@@ -131,11 +115,11 @@ def _watching(
     def look() -> None:
         with suppress(OSError):  # nobody can see it any more
             while not stop.wait(_LOOK):
-                running, elapsed = board.read(), time.monotonic() - start
-                done = sum(folders[number].work for number in list(ended))
-                done += sum(work[label] * post.done for label, post in running.items())
+                posts, elapsed = board.read(), time.monotonic() - start
+                done = sum(work[label] * post.done for label, post in posts.items())
                 left = (total - done) / done * elapsed if done > _LEAST * total and elapsed > _SHORTEST else None
-                watch(len(ended), len(folders), running, left)
+                running = {label: post for label, post in posts.items() if post.done < 1.0}
+                watch(len(posts) - len(running), len(folders), running, left)
 
     thread = threading.Thread(target=look, daemon=True)
     thread.start()
