@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from drakearm.reproduction.experiment import Experiment
     from drakearm.reproduction.sweep import Watch
 
+_FOLDER = Path("runs", "reproduction")
 _LINE_SECONDS = 5.0  # between two lines where there is no terminal
 _SHOWN = 2  # trials that are shown at the same time
 
@@ -54,8 +55,15 @@ def reproduce(
         ),
     ] = None,
     out: Annotated[
-        Path, typer.Option("--out", help="Folder of the reproduction.", metavar="FOLDER", parser=path)
-    ] = Path("runs/reproduction"),
+        Path | None,
+        typer.Option(
+            "--out",
+            help=f"Folder of the reproduction. [default: {_FOLDER}]",
+            metavar="FOLDER",
+            parser=path,
+            show_default=False,
+        ),
+    ] = None,
     backend: Annotated[
         Backend | None,
         typer.Option(
@@ -86,11 +94,12 @@ def reproduce(
     experiments = _experiments(names)
     from drakearm.reproduction.reproduce import reproduce
 
+    folder = out or _FOLDER
     try:
         with _shown_progress() as watch:
             made = reproduce(
                 experiments,
-                out,
+                folder,
                 command=_command(names, seeds, batches, imports),
                 seeds=seeds,
                 batches=batches,
@@ -106,7 +115,7 @@ def reproduce(
     if made.earlier:
         say(f"{made.earlier} of {made.earlier + made.completed} trials were finished already")
     if made.report:
-        results = json.loads((out / "results.json").read_text(encoding="utf-8"))
+        results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
         for experiment in results["experiments"].values():
             console.print(_main_rows(experiment))
         say(f"open {made.report} in a browser")

@@ -83,7 +83,7 @@ def train_step(
     """
     with run.locked(), run.scratch() as work:
         scenario = run.scenario()
-        settings = _with_batches(scenario.training, batches)
+        settings = with_batches(scenario.training, batches)
         task = _task(run, scenario)
         arm = arm_folder(scenario.arm)
         rounds = settings.imitation_rounds
@@ -173,7 +173,7 @@ def replay_step(run: RunFolder) -> Path:
         return run.path("replay")
 
 
-def _with_batches(settings: PpoSettings, batches: int | None) -> PpoSettings:
+def with_batches(settings: PpoSettings, batches: int | None) -> PpoSettings:
     """The settings with another number of batches, if one is given. Raises TrainingError if it is impossible."""
     try:
         return settings if batches is None else replace(settings, batches=batches)

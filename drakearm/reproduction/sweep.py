@@ -115,7 +115,8 @@ def _watching(folders: Sequence[TrialFolder], board: Board, watch: Watch | None)
     def look() -> None:
         with suppress(OSError):  # nobody can see it any more
             while not stop.wait(_LOOK):
-                posts, elapsed = board.read(), time.monotonic() - start
+                posts = {label: post for label, post in board.read().items() if label in work}
+                elapsed = time.monotonic() - start
                 done = sum(work[label] * post.done for label, post in posts.items())
                 left = (total - done) / done * elapsed if done > _LEAST * total and elapsed > _SHORTEST else None
                 running = {label: post for label, post in posts.items() if post.done < 1.0}

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from drakearm.experiments import Preset, RunFolder, evaluate_step, load_scenario
 from drakearm.experiments.metrics import versions
 from drakearm.experiments.robustness import robust_step, single_step
 from drakearm.experiments.static import static_step
+from drakearm.experiments.steps import with_batches
 from drakearm.files import replacement
 from drakearm.files.reading import read_json
 from drakearm.learning import PAPER, BatchReport, PpoSettings
@@ -39,7 +40,8 @@ class TrialFolder:
     def __init__(self, folder: Path, trial: Trial, batches: int | None = None):
         """folder: of all trials. batches: of each training, instead of the scenario's number.
 
-        Raises ScenarioError if there is no such scenario, or if its file is invalid.
+        Raises ScenarioError if there is no such scenario, or if its file is invalid; TrainingError if the number of
+        batches is impossible.
         """
         scenario = load_scenario(trial.scenario)
         self.trial = trial
@@ -187,8 +189,7 @@ def _settings(method: Method, training: PpoSettings, batches: int | None) -> Ppo
     """How a method is trained; None if it does not learn."""
     if method is Method.static:
         return None
-    settings = PAPER if method is Method.ppo_alone else training
-    return settings if batches is None else replace(settings, batches=batches)
+    return with_batches(PAPER if method is Method.ppo_alone else training, batches)
 
 
 def _columns(log: Path) -> dict[str, np.ndarray]:
