@@ -24,15 +24,21 @@ def scenario(tmp_path_factory):
 
 
 @pytest.fixture
-def small(scenario, monkeypatch):
+def registered(scenario, monkeypatch):
     monkeypatch.setitem(EXPERIMENTS, "small", Small(scenario))
 
 
 def test_wrong_arguments_are_refused():
-    assert "did you mean timing" in drakearm("reproduce", "timin", code=2)
-    assert "from 1 to 1000" in drakearm("reproduce", "timing", "--seeds", 0, code=2)
-    assert "dask" in drakearm("reproduce", "timing", "--backend", "slurm", code=2)
-    assert "expected a path" in drakearm("reproduce", "timing", "--out", "", code=2)
+    wrong = {
+        ("timin",): "did you mean timing",
+        ("timing", "--seeds", 0): "expected a whole number from 1 to 1000",
+        ("timing", "--jobs", "many"): "expected a whole number from 1 to",
+        ("timing", "--backend", "slurm"): "'dask', 'ray'",
+        ("timing", "--out", ""): "expected a path",
+    }
+    for arguments, expected in wrong.items():
+        printed = drakearm("reproduce", *arguments, code=2)
+        assert expected in " ".join(printed.replace("│", " ").split())
 
 
 def stop(signal_number, file, *arguments):
@@ -49,19 +55,22 @@ def stop(signal_number, file, *arguments):
 
 
 @pytest.mark.slow
-def test_a_stopped_reproduction_is_completed(small, scenario, tmp_path):
-    drakearm("reproduce", "small", "--out", tmp_path / "whole", "--jobs", 1)
+@pytest.mark.usefixtures("registered")
+def test_a_stopped_reproduction_is_completed(scenario, tmp_path):
+    small = ("reproduce", "small", "--batches", BATCHES)
+    drakearm(*small, "--out", tmp_path / "whole", "--jobs", 1)
     own = tmp_path / "own.py"
     own.write_text(OWN.format(file=str(scenario)))
-    command = ("reproduce", "small", "--out", tmp_path / "stopped", "--import", own)
+    stopped = (*small, "--out", tmp_path / "stopped")
     trials = tmp_path / "stopped" / "trials" / "small"
 
-    code, printed = stop(signal.SIGINT, trials / "ppo_alone" / "seed-0" / "checkpoint.safetensors", *command)
+    begun = trials / "ppo_alone" / "seed-0" / "checkpoint.safetensors"
+    code, printed = stop(signal.SIGINT, begun, *stopped, "--import", own)
     assert code == 130 and "the same command continues" in printed and "Traceback" not in printed
-    kill = (signal.SIGKILL, trials / "default" / "seed-0" / "metrics.json", *command, "--jobs", 1)
-    assert stop(*kill)[0] == -signal.SIGKILL
-    printed = drakearm("reproduce", "small", "--out", tmp_path / "stopped", "--jobs", 1)
-    assert "1 of 3 trials were finished already" in printed and "report.html in a browser" in printed
+    evaluated = trials / "default" / "seed-0" / "metrics.json"
+    assert stop(signal.SIGKILL, evaluated, *stopped, "--import", own, "--jobs", 1)[0] == -signal.SIGKILL
+    printed = drakearm(*stopped, "--jobs", 1)
+    assert "of 3 trials were finished already" in printed and "report.html in a browser" in printed
     assert results(tmp_path / "stopped") == results(tmp_path / "whole")
 
     refused = drakearm("reproduce", "small", "--out", tmp_path / "stopped", "--batches", BATCHES + 1, code=1)
