@@ -30,11 +30,11 @@ Made by `{command}` and `python docs/make_results.py`, with
 {versions}.
 
 All runs are simulations of the arm's Drake Diagram. *Static optimization* (computed muscle control) does not learn.
-*PPO alone* learns as in the paper: 28 observations, random weights, no teacher. The *default* imitates static
-optimization before PPO. A value is the mean ± the standard deviation over all runs with noise; with several seeds, the
-standard deviation between the seeds' means follows. The paper is Denizdurduran, Markram and Gewaltig, Biological
+*PPO alone* learns as in the paper: 28 observations, random weights, no teacher. The *default* is described in
+[learning.md](learning.md). A value is the mean ± the standard deviation over all runs with noise; with several seeds,
+the standard deviation between the seeds' means follows. The paper is Denizdurduran, Markram and Gewaltig, Biological
 Cybernetics 116, 2022. The people are seven persons of HuG-MP
-([credits](../drakearm/reproduction/people/CREDITS.md)), and not those with whom the paper compares.
+([credits](../drakearm/reproduction/hug_mp/CREDITS.md)), and not those with whom the paper compares.
 """
 
 

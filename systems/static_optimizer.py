@@ -8,7 +8,7 @@ from drakearm.model import Arm
 from drakearm.model.feedback import Feedback
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import add_skeleton, inverse_dynamics
-from drakearm.model.static_optimization import excitations_to_reach, static_activations
+from drakearm.model.static_optimization import acceleration_weighting, excitations_to_reach, static_activations
 
 FEEDBACK = Feedback(stiffness=400.0, damping=40.0)
 
@@ -43,8 +43,8 @@ class StaticOptimizer(LeafSystem):
     3. `static_activations` gives the activations for these torques.
     4. `excitations_to_reach` gives the excitations that bring each activation there within a control step.
 
-    priority: (n_q,), from 0 to 1, of the joints where the muscles are too weak for all of them; by default all are
-    alike.
+    Where the muscles are too weak, the joints miss their accelerations as little as possible. priority: (n_q,), from 0
+    to 1, of each joint's error; by default all are alike.
 
     The method neglects that forces lag behind activations while tendons stretch. Therefore four times the default
     stiffness already makes the arm tremble.
@@ -81,9 +81,13 @@ class StaticOptimizer(LeafSystem):
         q, v = np.split(self._arm_state.Eval(context), 2)
         tau = self._torque(q, v, self._feedback.acceleration(q, v, self._reference.Eval(context)))
         activation = self._activation.Eval(context)
-        desired, _ = static_activations(q, v, tau, activation, self._priority, self._muscles, self._paths)
+        desired, _ = static_activations(q, v, tau, activation, self._weighting(), self._muscles, self._paths)
         excitation = excitations_to_reach(desired, activation, self._control_step, self._muscles)
         state.get_mutable_discrete_state().set_value(excitation)
+
+    def _weighting(self) -> np.ndarray:
+        """The weighting of the torques that muscles lack, in the state for which `_torque` was called."""
+        return acceleration_weighting(self._plant.CalcMassMatrix(self._plant_context), self._priority)
 
     def _torque(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         """Joint torques (n_q,), Nm, that accelerate the arm by a (n_q,), rad/s^2, at q and v."""

@@ -10,7 +10,7 @@ import pytest
 import drakearm
 
 
-@pytest.mark.parametrize("package", ["drakearm", "drakearm.experiments", "drakearm.figures"])
+@pytest.mark.parametrize("package", ["drakearm", "drakearm.experiments", "drakearm.figures", "drakearm.reproduction"])
 def test_every_public_name_is_there_and_listed(package):
     module = import_module(package)
     for name in module.__all__:
@@ -19,7 +19,7 @@ def test_every_public_name_is_there_and_listed(package):
     assert len(set(module.__all__)) == len(module.__all__)
 
 
-@pytest.mark.parametrize("package", ["drakearm", "drakearm.experiments"])
+@pytest.mark.parametrize("package", ["drakearm", "drakearm.experiments", "drakearm.reproduction"])
 def test_no_name_is_provided_that_is_not_public(package):
     code = f"import {package} as p; print(*sorted(set(dir(p)) - set(vars(p)) - set(p.__all__)))"
     assert run(code).strip() == ""

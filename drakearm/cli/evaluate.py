@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.cli.folders import planned_run_folder, say_removed
+from drakearm.cli.folders import learned_run_folder, planned_run_folder, say_removed
 from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument, path
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.perturbations import (
@@ -42,6 +42,8 @@ def evaluate(
 ) -> None:
     """Measure how well the policy follows the plan, on the Drake Diagram.
 
+    Without a run of the scenario, the policy that drakearm ships for it is measured: `drakearm evaluate reach-045`.
+
     Runs the policy once without noise and 10 times with noise. Writes metrics.json (errors in rad) and recording.npz
     (angles, activations and forces of the run without noise), and prints a table.
 
@@ -53,9 +55,7 @@ def evaluate(
     perturbations = chosen_perturbations(load, motor_noise, sensor_delay, push, strength, start_offset)
     from drakearm.experiments import evaluate_step
 
-    with planned_run_folder(scenario, out) as run:
-        if policy is None:
-            run.existing("policy", f"train {scenario}")
+    with (planned_run_folder if policy else learned_run_folder)(scenario, out) as run:
         if policy or perturbations:
             _evaluate_perturbed(run, perturbations, policy, overwrite)
             return

@@ -1,5 +1,6 @@
 """The run folder that a command works in. While it works there, no other command can."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,6 +25,24 @@ def run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
 
 
 @contextmanager
+def learned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
+    """The folder of a run that has a policy, locked. A new folder gets the policy that drakearm ships for the scenario.
+
+    Raises RunFolderError if the folder has no policy and none is shipped.
+    """
+    from drakearm.experiments import adopt_step, shipped_run
+
+    run, shipped = _folder_of(scenario, out), shipped_run(scenario)
+    if shipped and not run.path("scenario").exists():
+        with run.locked():
+            adopt_step(run, scenario, shipped)
+        say("using the policy that drakearm ships for this movement")
+    with planned_run_folder(scenario, out) as run:
+        run.existing("policy", f"train {scenario}")
+        yield run
+
+
+@contextmanager
 def planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
     """The folder of a run that has a plan, locked. Raises RunFolderError if it has none, or one of another scenario."""
     from drakearm.experiments import load_scenario
@@ -37,6 +56,20 @@ def planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]"
         if expected != found:
             raise RunFolderError(f"{run.folder} holds a run of {found}: expected {expected}.")
         yield run
+
+
+@contextmanager
+def existing_run(run: str) -> "Iterator[RunFolder]":
+    """The folder of a run, locked: the given folder, or that of the scenario with this name or file in runs/.
+
+    Raises RunFolderError if there is no run, ScenarioError if there is neither such a folder nor such a scenario.
+    """
+    from drakearm.experiments import RunFolder
+
+    folder = RunFolder(Path(run)) if os.path.isdir(run) else _folder_of(run, None)
+    folder.existing("scenario", f"plan {run}")
+    with folder.locked():
+        yield folder
 
 
 def _folder_of(scenario: str, out: Path | None) -> "RunFolder":

@@ -1,14 +1,13 @@
 """`drakearm inspect`."""
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drakearm.cli.console import console, say
+from drakearm.cli.new_file import prepare_new_file
 from drakearm.cli.options import name_or_path, path
-from drakearm.errors import StorageError, shown
 
 
 def inspect(
@@ -38,22 +37,8 @@ def inspect(
 
     loaded = load_arm(arm)
     file = out or Path(f"{loaded.name}.png")
-    _prepare_picture(file, overwrite)
+    prepare_new_file(file, "picture", ".png", overwrite)
     inspection = inspect_arm(loaded)
     write_arm_picture(inspection, file)
     console.print(muscle_table(inspection))
     say(f"open {file} for lengths, moment arms and curves")
-
-
-def _prepare_picture(file: Path, overwrite: bool) -> None:
-    """Makes the picture's folder. Raises StorageError if a picture may not be written to `file`."""
-    from drakearm.files.writing import storage
-
-    if file.suffix != ".png":
-        raise StorageError(f"{shown(file)} is no name for a picture: expected one that ends in .png.")
-    if os.path.lexists(file) and not overwrite:
-        raise StorageError(
-            f"{shown(file)} exists already: choose another file with --out, or replace it with --overwrite."
-        )
-    with storage(file):
-        file.parent.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,7 @@ __all__ = [
     "RunFolder",
     "Scenario",
     "SuccessCriterion",
+    "adopt_step",
     "evaluate_step",
     "evaluation_metrics",
     "load_scenario",
@@ -28,6 +29,7 @@ __all__ = [
     "run_policy_stochastic",
     "scenario_files",
     "scenario_task",
+    "shipped_run",
     "train_step",
 ]
 
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from drakearm.experiments.perturbed import perturb_step, run_policy_perturbed
     from drakearm.experiments.run_folder import RunFolder
     from drakearm.experiments.scenario import Scenario, load_scenario
+    from drakearm.experiments.shipped import adopt_step, shipped_run
     from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
     from drakearm.experiments.success import SuccessCriterion
 else:
@@ -57,6 +60,7 @@ else:
             "drakearm.experiments.perturbed": ("perturb_step", "run_policy_perturbed"),
             "drakearm.experiments.run_folder": ("RunFolder",),
             "drakearm.experiments.scenario": ("Scenario", "load_scenario"),
+            "drakearm.experiments.shipped": ("adopt_step", "shipped_run"),
             "drakearm.experiments.steps": ("evaluate_step", "plan_step", "replay_step", "train_step"),
             "drakearm.experiments.success": ("SuccessCriterion",),
         },

@@ -41,7 +41,9 @@ STEPS = {  # in the order of a run
     "train": Step(
         ("scenario", "arm", "reference"), ("policy", "training", "training_log"), "training", ("checkpoint",)
     ),
-    "evaluate": Step(("scenario", "arm", "reference", "policy"), ("metrics", "recording", "noisy"), "metrics"),
+    "evaluate": Step(
+        ("scenario", "arm", "reference", "policy"), ("metrics", "recording", "noisy", "movement_picture"), "metrics"
+    ),
     "replay": Step(("scenario", "arm", "recording"), ("replay",), "replay"),  # as a comment in the page
     "perturb": Step(("scenario", "arm", "reference", "policy"), ("perturbed", "perturbed_recording"), "perturbed"),
     "robust": Step(("scenario", "arm", "reference", "policy"), ("robustness", "robust_runs"), "robustness"),
@@ -65,6 +67,7 @@ class RunFolder:
         "training": "training.json",  # seed, steps, seconds
         "recording": "recording.npz",  # Recording of the run without noise
         "noisy": "noisy.npz",  # Recordings of the runs with noise, see `load_recordings`
+        "movement_picture": "movement.png",
         "metrics": "metrics.json",
         "replay": "replay.html",
         "perturbed": "perturbed.json",  # metrics of runs on a perturbed arm, with this policy or another one

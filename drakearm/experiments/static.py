@@ -10,8 +10,8 @@ from drakearm.diagrams import MakeStaticLoop, Perturbation
 from drakearm.experiments.metrics import STOCHASTIC_RUNS, evaluation_metrics, versions
 from drakearm.experiments.perturbed import SEED
 from drakearm.experiments.run_folder import RunFolder
-from drakearm.model.loader import arm_folder
-from drakearm.model.recording import Recording, save_recordings
+from drakearm.experiments.steps import write_evaluation
+from drakearm.model.recording import Recording
 from drakearm.model.reference import Reference
 from drakearm.task import TrackingTask
 
@@ -46,8 +46,5 @@ def static_step(run: RunFolder) -> dict[str, Any]:
             "evaluation_seconds": time.perf_counter() - start,
             "versions": versions(),
         }
-        with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
-            recording.save(new.path("recording"))
-            save_recordings(noisy, new.path("noisy"))
-            new.write_record(metrics)
+        write_evaluation(run, task, recording, noisy, metrics)
         return metrics

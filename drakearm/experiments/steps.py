@@ -3,7 +3,7 @@
 import json
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,8 @@ from drakearm.experiments.environments import make_training_envs
 from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_policy_stochastic, versions
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import Scenario, load_scenario
-from drakearm.figures import write_plan_picture
-from drakearm.learning import BatchReport, Policy, PpoSettings, imitate, train
-from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor
+from drakearm.figures import Movement, write_movement_picture, write_plan_picture
+from drakearm.learning import BatchReport, Policy, PpoSettings, prepare, train
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording, save_recordings
@@ -86,7 +84,6 @@ def train_step(
         settings = with_batches(scenario.training, batches)
         task = _task(run, scenario)
         arm = arm_folder(scenario.arm)
-        rounds = settings.imitation_rounds
         setup = {"seed": seed, "env": env.value, "settings": asdict(settings)}
         earlier = _earlier_training(run, setup) if resume else None
         if earlier and earlier["finished"]:
@@ -96,8 +93,9 @@ def train_step(
             shutil.copy(run.existing("training_log", "train --overwrite"), work)
         start = time.perf_counter() - (earlier["seconds"] if earlier else 0.0)
 
-        def prepare(actor: Actor) -> InputScaling:
-            return imitate(actor, [task], rounds, seed, lambda number: on_round(number, rounds) if on_round else None)
+        def show_round(number: int) -> None:
+            if on_round:
+                on_round(number, settings.imitation_rounds)
 
         def keep(report: BatchReport) -> None:
             """Puts the policy, the log and the progress of the training into the run folder, all together."""
@@ -117,7 +115,7 @@ def train_step(
                 settings,
                 seed=seed,
                 metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
-                prepare=prepare if rounds else None,
+                prepare=lambda actor: prepare(actor, [task], settings, seed, show_round),
                 log_path=work / run.path("training_log").name,
                 checkpoint_path=work / run.path("policy").name,
                 resume_path=work / run.path("checkpoint").name,
@@ -128,7 +126,10 @@ def train_step(
 
 
 def evaluate_step(run: RunFolder) -> dict[str, Any]:
-    """Runs the policy in closed loop on the Diagram. Writes its recordings and metrics.json, and returns the latter."""
+    """Runs the policy in closed loop on the Diagram. Writes recordings, movement.png and metrics.json.
+
+    Returns the content of metrics.json.
+    """
     with run.locked():
         policy = Policy.load(run.existing("policy", "train"))
         training = run.read_json("training", "train")
@@ -147,11 +148,21 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
             "evaluation_seconds": time.perf_counter() - start,
             "versions": versions(),
         }
-        with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
-            recording.save(new.path("recording"))
-            save_recordings(noisy, new.path("noisy"))
-            new.write_record(metrics)
+        write_evaluation(run, task, recording, noisy, metrics)
         return metrics
+
+
+def write_evaluation(
+    run: RunFolder, task: TrackingTask, recording: Recording, noisy: Sequence[Recording], metrics: dict[str, Any]
+) -> None:
+    """Writes the files of an evaluation: of the run without noise, of those with noise, and their metrics."""
+    scenario = run.scenario()
+    with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
+        recording.save(new.path("recording"))
+        save_recordings(noisy, new.path("noisy"))
+        movement = Movement(task, recording, noisy, metrics, scenario.name, scenario.description)
+        write_movement_picture(movement, new.path("movement_picture"))
+        new.write_record(metrics)
 
 
 def replay_step(run: RunFolder) -> Path:

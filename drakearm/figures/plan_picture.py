@@ -4,20 +4,30 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from drakearm.figures.side_view import SideView, capsule_edge
-from drakearm.figures.style import NOTE_COLOR, finish_panel, joint_color, literal_text, save_picture
+from drakearm.figures.style import (
+    ARM_COLOR,
+    BAD_COLOR,
+    FONT,
+    GOOD_COLOR,
+    HAND_COLOR,
+    NEAREST_COLOR,
+    NOTE_COLOR,
+    OBSTACLE_COLOR,
+    draw_raster,
+    finish_panel,
+    finish_time_axis,
+    joint_color,
+    literal_text,
+    save_picture,
+)
 from drakearm.planning.feasibility import NEGLIGIBLE
 from drakearm.planning.plan_report import PlanReport
-from drakearm.systems.muscle_visualizer import activation_color
 
-_ABLE, _LACK, _OBSTACLE, _NEAREST = "#00734F", "#CC0A1A", "#CC5C3D", "#009480"
-_HAND, _ARM, _HELD = "#F28C0D", "#2B3440", "#F1F3F6"
 _NEAR = 0.15  # of the height of a panel: limits that are farther away than this are written but not drawn
-_FONT = 10
 _DPI = 100
 
 
@@ -37,10 +47,10 @@ def draw_plan(report: PlanReport) -> Figure:
     _draw_angles(rows[0], report)
     _draw_speeds(rows[1], report)
     _draw_torques(rows[2], report)
-    rows[0].legend(loc="best", fontsize=_FONT - 1, framealpha=0.7, edgecolor="none")
+    rows[0].legend(loc="best", fontsize=FONT - 1, framealpha=0.7, edgecolor="none")
     for panel in rows:
-        _finish_time_axis(panel, report)
-    rows[2].set_xlabel("time (s)", fontsize=_FONT)
+        finish_time_axis(panel, report.plan.t[-1], report.plan.reference.t[-1])
+    rows[2].set_xlabel("time (s)", fontsize=FONT)
     _draw_arm(figure.add_subplot(right[0]), report)
     _draw_activations(figure.add_subplot(right[1]), report)
     _head(figure, report)
@@ -76,12 +86,12 @@ def _draw_torques(panel: Axes, report: PlanReport) -> None:
         lack = np.where(np.abs(feasibility.reserve[:, j]) > NEGLIGIBLE, feasibility.reserve[:, j], 0.0)
         if lack.any():
             lacks.append(panel.fill_between(feasibility.t, torques[:, j] - lack, torques[:, j]))
-            lacks[-1].set(facecolor=(joint_color(j), 0.28), edgecolor=_LACK, linewidth=0, hatch="////")
+            lacks[-1].set(facecolor=(joint_color(j), 0.28), edgecolor=BAD_COLOR, linewidth=0, hatch="////")
             lacks[-1].set_label(f"{name}: the muscles lack up to {np.abs(lack).max():.3g} Nm")
     if lacks:
         low, high = panel.get_ylim()
         panel.set_ylim(low, high + 0.1 * (1 + len(lacks)) * (high - low))  # room for the legend
-        panel.legend(handles=lacks, loc="upper center", fontsize=_FONT - 1, frameon=False)
+        panel.legend(handles=lacks, loc="upper center", fontsize=FONT - 1, frameon=False)
 
 
 def _by_joint(panel: Axes, report: PlanReport, samples: np.ndarray, knots: np.ndarray) -> None:
@@ -110,18 +120,8 @@ def _draw_limits(
 
 
 def _title(panel: Axes, title: str, limits: str) -> None:
-    panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold")
-    panel.set_title(limits, loc="right", fontsize=_FONT - 0.5, color=NOTE_COLOR)
-
-
-def _finish_time_axis(panel: Axes, report: PlanReport) -> None:
-    """Makes the time of rest after the end of the movement gray."""
-    end, last = report.plan.t[-1], report.plan.reference.t[-1]
-    panel.axhline(0.0, color="black", linewidth=0.7, zorder=0.5)
-    panel.axvspan(end, last, color=_HELD, zorder=0)
-    panel.set_xlim(0.0, last)
-    finish_panel(panel)
-    panel.tick_params(labelsize=_FONT)
+    panel.set_title(title, loc="left", fontsize=FONT + 1, fontweight="bold")
+    panel.set_title(limits, loc="right", fontsize=FONT - 0.5, color=NOTE_COLOR)
 
 
 def _draw_arm(panel: Axes, report: PlanReport) -> None:
@@ -132,53 +132,41 @@ def _draw_arm(panel: Axes, report: PlanReport) -> None:
     for k in np.unique(np.linspace(0, end, 6).round().astype(int)):
         stick = view.stick(reference.q[k])
         shade = 0.25 + 0.6 * k / max(end, 1)
-        panel.plot(*stick.T, "-", color=_ARM, alpha=shade, linewidth=2.5, solid_capstyle="round", zorder=2)
-        panel.plot(*stick[:-1].T, "o", color=_ARM, alpha=shade, markersize=5, zorder=2)
+        panel.plot(*stick.T, "-", color=ARM_COLOR, alpha=shade, linewidth=2.5, solid_capstyle="round", zorder=2)
+        panel.plot(*stick[:-1].T, "o", color=ARM_COLOR, alpha=shade, markersize=5, zorder=2)
     hand = np.array([view.stick(q)[-1] for q in reference.q])
     forward = 1 if hand[end, 0] >= hand[0, 0] else -1  # the times are written before and behind the path of the hand
     for k, side in ((0, -forward), (end, forward)):
         text, sideways = f"{reference.t[k]:.2f} s", "left" if side > 0 else "right"
-        panel.annotate(text, hand[k], (7 * side, -4), textcoords="offset points", ha=sideways, fontsize=_FONT - 1)
-    panel.plot(*hand.T, color=_HAND, linewidth=2.5, zorder=4, label="path of the hand")
+        panel.annotate(text, hand[k], (7 * side, -4), textcoords="offset points", ha=sideways, fontsize=FONT - 1)
+    panel.plot(*hand.T, color=HAND_COLOR, linewidth=2.5, zorder=4, label="path of the hand")
     title = "the arm from the side (m)"
     found = report.plan.verification
     if obstacle is not None and found.nearest_time is not None and found.clearance is not None:
         x, y = view.project(np.array(obstacle.position))
-        panel.add_patch(Circle((x, y), obstacle.radius, color=_OBSTACLE, zorder=3))
+        panel.add_patch(Circle((x, y), obstacle.radius, color=OBSTACLE_COLOR, zorder=3))
         nearest = np.array([np.interp(found.nearest_time, reference.t, angles) for angles in reference.q.T])
         for a, b, radius in view.outline(nearest):
-            panel.fill(*capsule_edge(a, b, radius).T, color=_NEAREST, alpha=0.35, linewidth=0, zorder=2.5)
+            panel.fill(*capsule_edge(a, b, radius).T, color=NEAREST_COLOR, alpha=0.35, linewidth=0, zorder=2.5)
         title += f", nearest at {found.nearest_time:.2f} s: {100 * found.clearance:.2g} cm"
-    panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold")
+    panel.set_title(title, loc="left", fontsize=FONT + 1, fontweight="bold")
     panel.margins(0.08)
     panel.set_aspect("equal", adjustable="datalim")
-    panel.legend(loc="best", fontsize=_FONT - 1, framealpha=0.7, edgecolor="none")
+    panel.legend(loc="best", fontsize=FONT - 1, framealpha=0.7, edgecolor="none")
     finish_panel(panel)
-    panel.tick_params(labelsize=_FONT)
 
 
 def _draw_activations(panel: Axes, report: PlanReport) -> None:
     """The activations that static optimization finds. A red bar at the top marks the times when they are not enough."""
     feasibility = report.feasibility
-    names = report.arm.muscle_names
-    colors = ListedColormap(activation_color(np.linspace(0.0, 1.0, 256)))
-    half = 0.5 * (feasibility.t[1] - feasibility.t[0])
-    extent = (feasibility.t[0] - half, feasibility.t[-1] + half, len(names) - 0.5, -0.5)
-    cells = feasibility.activation.T
-    image = panel.imshow(cells, cmap=colors, aspect="auto", interpolation="nearest", extent=extent, vmin=0.0, vmax=1.0)
+    draw_raster(panel, feasibility.t, feasibility.activation, report.arm.muscle_names)
     lacking = np.abs(feasibility.reserve).max(axis=1) > NEGLIGIBLE
     title = "activations needed"
     if lacking.any():
         above = panel.get_xaxis_transform()
-        panel.fill_between(feasibility.t, 1.01, 1.05, where=lacking, color=_LACK, transform=above, clip_on=False)
+        panel.fill_between(feasibility.t, 1.01, 1.05, where=lacking, color=BAD_COLOR, transform=above, clip_on=False)
         title += ", red bar: not enough"
-    panel.set_title(title, loc="left", fontsize=_FONT + 1, fontweight="bold", pad=12)
-    panel.set_yticks(range(len(names)), names)
-    panel.set_xlabel("time (s)", fontsize=_FONT)
-    panel.set_xlim(0.0, feasibility.t[-1])
-    panel.tick_params(labelsize=_FONT - 1, length=2)
-    bar = panel.figure.colorbar(image, ax=panel, pad=0.02, fraction=0.04)
-    bar.ax.tick_params(labelsize=_FONT - 1)
+    panel.set_title(title, loc="left", fontsize=FONT + 1, fontweight="bold", pad=12)
 
 
 def _head(figure: Figure, report: PlanReport) -> None:
@@ -194,7 +182,7 @@ def _head(figure: Figure, report: PlanReport) -> None:
         f"Equations of motion hold to {found.speed_defect:.1g} rad/s and {found.acceleration_defect:.1g} rad/s²."
     )
     figure.text(0.02, 0.985, report.name, fontsize=18, fontweight="bold", va="top")
-    figure.text(0.02, 0.948, report.description, fontsize=_FONT + 1, va="top")
-    color = _ABLE if feasibility.feasible else _LACK
-    figure.text(0.02, 0.926, feasibility.verdict, fontsize=_FONT + 1, va="top", color=color, fontweight="bold")
-    figure.text(0.02, 0.903, facts, fontsize=_FONT, va="top", color=NOTE_COLOR, linespacing=1.35)
+    figure.text(0.02, 0.948, report.description, fontsize=FONT + 1, va="top")
+    color = GOOD_COLOR if feasibility.feasible else BAD_COLOR
+    figure.text(0.02, 0.926, feasibility.verdict, fontsize=FONT + 1, va="top", color=color, fontweight="bold")
+    figure.text(0.02, 0.903, facts, fontsize=FONT, va="top", color=NOTE_COLOR, linespacing=1.35)

@@ -5,6 +5,7 @@ import numpy as np
 from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.obstacle import Obstacle
 
+_ARC = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 24)  # rad
 Capsule2d = tuple[np.ndarray, np.ndarray, float]  # ends (2,) of a line and the radius of what surrounds it, m
 
 
@@ -61,6 +62,5 @@ class SideView:
 def capsule_edge(a: np.ndarray, b: np.ndarray, radius: float) -> np.ndarray:
     """The edge (N, 2) of everything within a radius of the line from a to b."""
     along = np.arctan2(*(b - a)[::-1])
-    half = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 24)
-    arcs = [(b, along + half), (a, along + np.pi + half)]
+    arcs = [(b, along + _ARC), (a, along + np.pi + _ARC)]
     return np.vstack([end + radius * np.column_stack([np.cos(turn), np.sin(turn)]) for end, turn in arcs])

@@ -9,7 +9,7 @@ from drakearm.model import MakeTorqueArm
 from drakearm.model.feedback import Feedback
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.model.skeleton import inverse_dynamics
-from drakearm.model.static_optimization import excitations_to_reach, static_activations
+from drakearm.model.static_optimization import acceleration_weighting, excitations_to_reach, static_activations
 from drakearm.task import TrackingTask
 
 FEEDBACK = Feedback(stiffness=400.0, damping=40.0)  # a stiffer expert is harder to imitate
@@ -67,8 +67,9 @@ class StaticExpert:
             plant, context = self._skeletons[task]
             plant.SetPositionsAndVelocities(context, forecast[k])
             tau = inverse_dynamics(plant, context, a[k])
+            weighting = acceleration_weighting(plant.CalcMassMatrix(context), self._priorities[task])
             self._activation[k], _ = static_activations(
-                q[k], v[k], tau, self._activation[k], self._priorities[task], self._muscles, self._paths
+                q[k], v[k], tau, self._activation[k], weighting, self._muscles, self._paths
             )
             excitation[k] = excitations_to_reach(self._activation[k], activation[k], CONTROL_STEP, self._muscles)
         return excitation

@@ -45,17 +45,18 @@ class PpoSettings:
     environments: Annotated[Whole, Field(gt=0, le=4096)] = 64  # arms: the vector environment must hold as many
     steps: Annotated[Whole, Field(gt=0, le=100_000)] = 75  # control steps per environment and batch
     epochs: Annotated[Whole, Field(gt=0, le=100)] = 5  # passes over a batch
-    minibatches: Annotated[Whole, Field(gt=0, le=10_000)] = 4  # updates per pass
+    minibatches: Annotated[Whole, Field(gt=0, le=10_000)] = 16  # updates per pass
     learning_rate: Annotated[Positive, Field(le=1.0)] = 3e-5  # the actor's in the first batch
-    target_kl: Positive | None = 0.02  # nats per batch, held by the learning rate; None: this falls linearly to 0
+    target_kl: Positive | None = 0.1  # nats per batch, held by the learning rate; None: this falls linearly to 0
     critic_learning_rate: Annotated[Positive, Field(le=1.0)] = 1e-3  # in the first batch; it falls linearly to 0
+    critic_batches: Annotated[Whole, Field(ge=0, le=1_000_000)] = 5  # at the beginning, in which only the critic learns
     gamma: Fraction = 0.97  # discount per control step
     gae_lambda: Fraction = 0.95  # 0: one-step advantages, 1: returns minus values
     clip: Positive = 0.2  # epsilon: probability ratios further from 1 than this bring no more gain
     max_grad_norm: Positive = 0.5  # longer gradients are scaled down to this norm
     value_weight: Positive = 0.5  # factor of the critic's loss
-    initial_std: _Std = 0.05  # standard deviation of the actions, in their unit
-    final_std: _Std | None = 0.01  # at the end, reached geometrically; None: it is learned
+    initial_std: _Std = 0.03  # standard deviation of the actions, in their unit
+    final_std: _Std | None = 0.003  # at the end, reached geometrically; None: it is learned
     imitation_rounds: Annotated[Whole, Field(ge=0, le=1_000_000)] = 4  # of imitating static optimization before PPO
     initial_action: Finite = 0.15  # mean of the actions before training, in their unit
     actor_layers: Layers = (64,) * 5  # widths of the hidden layers, tanh
@@ -80,7 +81,8 @@ PAPER = PpoSettings(
     learning_rate=1e-3,
     target_kl=None,
     initial_std=0.3,
-    final_std=None,
+    final_std=0.03,
+    critic_batches=0,
     imitation_rounds=0,
 )
 
@@ -115,12 +117,12 @@ def train(
 ) -> Policy:
     """Trains a policy on `envs`, which stay open. The same seed gives the same policy, bit for bit.
 
-    metadata: is stored in the policy. prepare: may train the actor before PPO does, as `imitate` does, and returns the
-    scaling of its inputs; without it, inputs are not scaled. The policy takes unscaled observations. log_path: gets
-    one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after every batch.
-    resume_path: gets all that the training needs to continue after every batch. If the file exists already, the
-    training continues from it, and ends with the same policy as if it had never stopped. on_batch: called after every
-    batch with its report; the files are written before.
+    metadata: is stored in the policy. prepare: returns the scaling of the inputs, and may train the actor before PPO
+    does, see `imitate` and `survey`; without it, inputs are not scaled. The policy takes unscaled observations.
+    log_path: gets one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after
+    every batch. resume_path: gets all that the training needs to continue after every batch. If the file exists
+    already, the training continues from it, and ends with the same policy as if it had never stopped. on_batch: called
+    after every batch with its report; the files are written before.
 
     Raises TrainingError if PPO cannot use the environments, settings or seed, when an observation, a reward or a
     gradient is not finite, and if the file to continue from is damaged or belongs to a training with another seed or
@@ -155,13 +157,15 @@ def train(
         for batch in range(finished + 1, settings.batches + 1):
             done = (batch - 1) / settings.batches
             critic.set_learning_rate(settings.critic_learning_rate * (1.0 - done))
-            actor.set_learning_rate(learning_rate if settings.target_kl else settings.learning_rate * (1.0 - done))
+            actor_learns = batch > settings.critic_batches
+            rate = learning_rate if settings.target_kl else settings.learning_rate * (1.0 - done)
+            actor.set_learning_rate(rate if actor_learns else 0.0)
             if settings.final_std is not None:
                 policy.actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
             rollout = collector.collect(policy.actor, generator, batch)
             experience, explained_variance = _experience(policy, rollout, settings, generator, batch)
             diagnostics = learn(actor, critic, experience)
-            if settings.target_kl:
+            if settings.target_kl and actor_learns:
                 learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
 
             now = time.perf_counter()

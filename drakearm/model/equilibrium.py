@@ -53,7 +53,7 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
     # Before the torques: what a muscle exerts that is slack or torn has no meaning.
     equilibrium_fiber_lengths(arm, q[None, :], lowest)
     torque = gravity_torque(MakeTorqueArm(arm, load_mass), q)
-    activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), np.ones(len(q)), muscles, paths)
+    activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), np.eye(len(q)), muscles, paths)
     if not np.abs(reserve).max() <= _NEGLIGIBLE:
         raise _too_weak(arm, q, reserve, torque)
     length, moment_arm = muscle_geometry(q, muscles, paths)

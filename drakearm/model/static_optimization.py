@@ -21,7 +21,6 @@ from drakearm.muscle.contraction import (
 )
 
 RESERVE_WEIGHT = 1e4  # 1/(Nm)^2, of squared reserve torques, where squared activations have weight 1
-_LEAST_SHARE = 1e-3  # of RESERVE_WEIGHT, that a joint gets; with 0 nothing would move it
 _ROUNDS = 20  # at most; each linearizes the muscles once
 _SETTLED = 1e-4  # change of the activations in the last round; the remaining error is about its square
 _GUESSED_STRAIN = 0.02  # of tendons, for the first guess of the fiber lengths
@@ -69,20 +68,20 @@ def steady_force(activation, mtu_length, mtu_speed, guess, m):
 
 
 @inner
-def _smallest_controls(gain, desired, reserve_weight, lower, x):
-    """Writes the x (n,) in [lower, 1] with the least |x|^2 + sum_j reserve_weight_j (desired - x gain)_j^2.
+def _smallest_controls(gain, desired, lower, x):
+    """Writes the x (n,) in [lower, 1] with the least |x|^2 + RESERVE_WEIGHT |desired - x gain|^2.
 
-    gain: (n, n_q). desired, reserve_weight: (n_q,). The method is Newton's on the dual problem, in which only n_q
-    numbers p are unknown: x = clip(gain p, lower, 1), and p is reserve_weight times the reserve torque. The dual cost
-    is convex and its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method
-    converges from every start.
+    gain: (n, n_q). desired: (n_q,). The method is Newton's on the dual problem, in which only n_q numbers p are
+    unknown: x = clip(gain p, lower, 1), and p is RESERVE_WEIGHT times the weighted reserve torque. The dual cost is
+    convex and its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method converges
+    from every start.
 
     Matrix products are written as loops. BLAS would give last bits that depend on the position of the arrays in memory.
     """
     n, n_q = gain.shape
     p, later_p = np.zeros(n_q), np.zeros(n_q)
     gradient, move, hessian = np.empty(n_q), np.empty(n_q), np.empty((n_q, n_q))
-    _dual_gradient(p, gain, desired, reserve_weight, lower, x, gradient)
+    _dual_gradient(p, gain, desired, lower, x, gradient)
     for _ in range(_DUAL_STEPS):
         largest = 0.0
         for j in range(n_q):
@@ -92,7 +91,7 @@ def _smallest_controls(gain, desired, reserve_weight, lower, x):
         for j in range(n_q):
             move[j] = -gradient[j]
             for k in range(n_q):
-                hessian[j, k] = 1.0 / reserve_weight[j] if j == k else 0.0
+                hessian[j, k] = 1.0 / RESERVE_WEIGHT if j == k else 0.0
         for i in range(n):
             if lower[i] < x[i] < 1.0:
                 for j in range(n_q):
@@ -103,7 +102,7 @@ def _smallest_controls(gain, desired, reserve_weight, lower, x):
         while True:
             for j in range(n_q):
                 later_p[j] = p[j] + move[j]
-            _dual_gradient(later_p, gain, desired, reserve_weight, lower, x, gradient)
+            _dual_gradient(later_p, gain, desired, lower, x, gradient)
             if not _dot(gradient, move) > 0.1 * decline:
                 break
             decline *= 0.5
@@ -113,11 +112,11 @@ def _smallest_controls(gain, desired, reserve_weight, lower, x):
 
 
 @inner
-def _dual_gradient(p, gain, desired, reserve_weight, lower, x, gradient):
+def _dual_gradient(p, gain, desired, lower, x, gradient):
     """Writes the x (n,) that belongs to p (n_q,), and the gradient (n_q,) of the dual cost at p."""
     n, n_q = gain.shape
     for j in range(n_q):
-        gradient[j] = p[j] / reserve_weight[j] - desired[j]
+        gradient[j] = p[j] / RESERVE_WEIGHT - desired[j]
     for i in range(n):
         total = 0.0
         for j in range(n_q):
@@ -136,15 +135,15 @@ def _dot(x, y):
 
 
 @compiled
-def static_activations(q, v, tau, guess, priority, muscles, paths):
+def static_activations(q, v, tau, guess, weighting, muscles, paths):
     """Activations (n,) with the least sum of squares that exert joint torques tau (n_q,), Nm; and the reserve torques.
 
     The reserve torques (n_q,), Nm, are what the muscles lack to exert tau. q, v: joint angles and speeds (n_q,). guess:
-    activations (n,) to start from. priority: (n_q,), from 0 to 1, of the joints. Activations stay in
-    [minimum_activation, 1]. If these cannot exert tau, the sum of the squared reserve torques, weighted with the
-    priorities, is as small as possible. Muscle forces are not linear in the activation, because it also changes the
-    fiber velocity and stretches the tendon. So a few rounds linearize the muscles around the present activations and
-    solve a small quadratic program, until the activations do not change any more.
+    activations (n,) to start from. Activations stay in [minimum_activation, 1]. If these cannot exert tau, the sum of
+    squares of weighting * reserve is as small as possible; the matrix `weighting` is (n_q, n_q), the identity or
+    `acceleration_weighting`. Muscle forces are not linear in the activation, because it also changes the fiber velocity
+    and stretches the tendon. So a few rounds linearize the muscles around the present activations and solve a small
+    quadratic program, until the activations do not change any more.
     """
     n, n_q = len(muscles), len(q)
     length, moment_arm = muscle_geometry(q, muscles, paths)
@@ -155,9 +154,8 @@ def static_activations(q, v, tau, guess, priority, muscles, paths):
     a = np.minimum(np.maximum(guess, lower), 1.0)
     later = np.empty(n)
     gain = np.empty((n, n_q))
-    desired, reserve, reserve_weight = np.empty(n_q), np.empty(n_q), np.empty(n_q)
-    for j in range(n_q):
-        reserve_weight[j] = RESERVE_WEIGHT * max(priority[j], _LEAST_SHARE)
+    weighted_gain, weighted_desired = np.empty((n, n_q)), np.empty(n_q)
+    desired, reserve = np.empty(n_q), np.empty(n_q)
     for _ in range(_ROUNDS):
         reserve[:] = tau
         desired[:] = 0.0
@@ -168,8 +166,15 @@ def static_activations(q, v, tau, guess, priority, muscles, paths):
                 reserve[j] -= moment_arm[i, j] * force
                 gain[i, j] = moment_arm[i, j] * slope
                 desired[j] += a[i] * gain[i, j]
-        desired += reserve
-        _smallest_controls(gain, desired, reserve_weight, lower, later)
+        for j in range(n_q):
+            weighted_desired[j] = 0.0
+            for k in range(n_q):
+                weighted_desired[j] += weighting[j, k] * (desired[k] + reserve[k])
+            for i in range(n):
+                weighted_gain[i, j] = 0.0
+                for k in range(n_q):
+                    weighted_gain[i, j] += weighting[j, k] * gain[i, k]
+        _smallest_controls(weighted_gain, weighted_desired, lower, later)
         largest = 0.0
         for i in range(n):
             move = later[i] - a[i]
@@ -180,6 +185,25 @@ def static_activations(q, v, tau, guess, priority, muscles, paths):
         if largest < _SETTLED:
             break
     return a, reserve
+
+
+@compiled
+def acceleration_weighting(mass, priority):
+    """The weighting (n_q, n_q) of `static_activations` by which joints miss their accelerations as little as possible.
+
+    mass: the mass matrix (n_q, n_q). priority: (n_q,), from 0 to 1, of each joint's squared error. The error of a joint
+    is given by the torque on this joint alone that would make up for it. Without this weighting a joint that is strong
+    enough would still fail where another one is too weak, because its torque is meant for accelerations of all joints.
+    """
+    n_q = len(priority)
+    weighting = np.empty((n_q, n_q))
+    for k in range(n_q):
+        unit = np.zeros(n_q)
+        unit[k] = 1.0
+        weighting[:, k] = solve(mass.copy(), unit)
+    for j in range(n_q):
+        weighting[j] *= math.sqrt(priority[j]) / weighting[j, j]
+    return weighting
 
 
 @compiled

@@ -53,10 +53,10 @@ def muscle_feasibility(arm: Arm, reference: Reference, load_mass: float = 0.0) -
     q, v = reference.q, reference.v
     required = movement_torques(MakeTorqueArm(arm, load_mass), q, v, reference.a)
     activation, reserve = np.empty((len(q), len(arm.muscles))), np.empty_like(required)
-    guess, priority = arm.muscle_table["minimum_activation"].copy(), np.ones(len(arm.coordinates))
+    guess, weighting = arm.muscle_table["minimum_activation"].copy(), np.eye(len(arm.coordinates))
     for k in range(len(q)):
         activation[k], reserve[k] = static_activations(
-            q[k], v[k], required[k], guess, priority, arm.muscle_table, arm.path_table
+            q[k], v[k], required[k], guess, weighting, arm.muscle_table, arm.path_table
         )
         guess = activation[k]
     return Feasibility(arm.coordinates, reference.t, activation, required, reserve)

@@ -14,27 +14,23 @@ _T = TypeVar("_T")
 
 
 class Experiment(ABC):
-    """Base of all experiments: derive a class, and hand an instance to `reproduce` and `write_report`.
+    """Base of all experiments. `rows` and `figures` get outcomes that may lack methods and seeds, but no movements."""
 
-    All methods but `trials` get the outcomes that there are: methods and seeds may be missing, but no movement of a
-    method and a seed.
-    """
-
-    name: str  # on the command line and in file names
+    name: str  # on the command line and in results.json
     title: str
-    text: str  # one or two sentences: what is done, and what to look at
+    text: str  # what is done, and what to look at
 
     @abstractmethod
     def trials(self, seeds: int) -> list[Trial]:
-        """What to learn and to run, with this many seeds of each method that learns."""
+        """What to run, with this many seeds of each method that learns."""
 
     @abstractmethod
     def rows(self, outcomes: Sequence[Outcome]) -> list[Row]:
-        """The table of the experiment."""
+        """The table of the experiment. A row without values is left out."""
 
-    @abstractmethod
     def figures(self, outcomes: Sequence[Outcome]) -> dict[str, Figure]:
-        """The pictures of the experiment, by the names of their files without an ending."""
+        """The pictures of the experiment, by the names of their files without an ending; by default there are none."""
+        return {}
 
 
 def all_methods(scenarios: Sequence[str], seeds: int) -> list[Trial]:

@@ -41,7 +41,13 @@ def table_html(table: Table) -> str:
 def write_page(file: Path, results: Mapping[str, Any], sections: Sequence[str]) -> None:
     """Writes the report. Raises StorageError if the file cannot be written."""
     versions = ", ".join(f"{name} {number}" for name, number in results["versions"].items())
-    text = _PAGE.substitute(command=escape(results["command"]), versions=escape(versions), sections="\n".join(sections))
+    titles = {name: experiment["title"] for name, experiment in results["experiments"].items()}
+    text = _PAGE.substitute(
+        command=escape(results["command"]),
+        versions=escape(versions),
+        contents=" · ".join(f'<a href="#{escape(name)}">{escape(title)}</a>' for name, title in titles.items()),
+        sections="\n".join(sections),
+    )
     with replacement(file) as partial:
         partial.write_text(text, encoding="utf-8")
 
@@ -87,13 +93,14 @@ _PAGE = Template("""<!DOCTYPE html>
 <h1>The paper's experiments, reproduced with drakearm</h1>
 <p>Optimal control plans how the two joints of an arm move. Then three methods find the excitations of its 14 muscles:
 <b>static optimization</b> (computed muscle control) without learning; <b>PPO alone</b>, as in the paper: 28
-observations, random weights, no teacher; and drakearm's <b>default</b>, which imitates static optimization first. All
-runs are simulations of the arm's Drake Diagram. The paper is Denizdurduran, Markram and Gewaltig, <i>Optimum trajectory
+observations, random weights, no teacher; and drakearm's <b>default</b> way to learn. All runs are simulations of the
+arm's Drake Diagram. The paper is Denizdurduran, Markram and Gewaltig, <i>Optimum trajectory
 learning in musculoskeletal systems with model predictive control and deep reinforcement learning</i>, Biological
 Cybernetics 116, 2022.</p>
 <p>Made by <code>$command</code> with $versions. A value is the mean ± the standard deviation over all runs with
 noise; with several seeds, the standard deviation between the seeds' means follows. The same numbers are in
 <a href="results.json">results.json</a>.</p>
+<p>$contents</p>
 $sections
 <section>
 <h2>Credits</h2>

@@ -1,4 +1,4 @@
-"""How fast people move their hands: speed profiles of seven people, see `people/CREDITS.md`."""
+"""How fast people move their hands: speed profiles of seven people, see `hug_mp/CREDITS.md`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +9,7 @@ PEOPLE = {
     "single_peaked_under_1.2s": "one peak, under 1.2 s",
     "under_1s": "under 1 s",
 }  # groups of trials, for a reader
-_FOLDER = Path(__file__).parent / "people"
+_FOLDER = Path(__file__).parent / "hug_mp"
 
 
 @dataclass(frozen=True)

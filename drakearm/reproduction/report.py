@@ -37,7 +37,9 @@ def write_report(
         if experiment.name in results["experiments"]:
             some = outcomes_of(experiment, outcomes)
             figures = _figures(experiment, some, folder / FIGURES)
-            sections.append(_section(results["experiments"][experiment.name], some, figures, replays or {}))
+            sections.append(
+                _section(experiment.name, results["experiments"][experiment.name], some, figures, replays or {})
+            )
     sections += [f"<section><h2>{escape(table.title)}</h2>{table_html(table)}</section>" for table in tables]
     write_page(folder / "report.html", results, sections)
     return folder / "report.html"
@@ -55,11 +57,15 @@ def _figures(experiment: Experiment, outcomes: Sequence[Outcome], folder: Path) 
 
 
 def _section(
-    experiment: Mapping[str, Any], outcomes: Sequence[Outcome], figures: Sequence[str], replays: Mapping[Trial, str]
+    name: str,
+    experiment: Mapping[str, Any],
+    outcomes: Sequence[Outcome],
+    figures: Sequence[str],
+    replays: Mapping[Trial, str],
 ) -> str:
     return "\n".join(
         [
-            "<section>",
+            f'<section id="{escape(name)}">',
             f"<h2>{escape(experiment['title'])}</h2>",
             f"<p>{escape(experiment['text'])}</p>",
             table_html(_results_table(experiment)),

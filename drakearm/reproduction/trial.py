@@ -17,7 +17,7 @@ class Method(StrEnum):
 
     static = "static optimization"  # computed muscle control, without learning
     ppo_alone = "PPO alone"  # as in the paper: 28 observations, random weights, no teacher
-    default = "default"  # imitation, then PPO
+    default = "default"  # the settings of the scenario file
 
 
 @dataclass(frozen=True)

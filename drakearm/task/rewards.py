@@ -35,7 +35,7 @@ class Reward(Kind):
     def priority(self, arm: Arm) -> np.ndarray:
         """The priority (n_q,) of each joint, from 0 to 1, in static optimization. By default all joints are alike.
 
-        It matters where the muscles are too weak for all joints: a joint with a lower priority lacks more torque.
+        It matters where the muscles are too weak for all joints: see `acceleration_weighting`.
         """
         return np.ones(len(arm.coordinates))
 
@@ -67,9 +67,9 @@ class RewardWeights(Reward):
                 )
 
     def priority(self, arm: Arm) -> np.ndarray:
-        """The position weights, divided by the largest one."""
+        """The squares of the position weights, divided by the largest one."""
         position = np.array(self.position)
-        return position / position.max() if position.max() > 0.0 else super().priority(arm)
+        return (position / position.max()) ** 2 if position.max() > 0.0 else super().priority(arm)
 
     @cached_property
     def _weights(self) -> np.ndarray:

@@ -31,9 +31,7 @@ from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.experiments.environments import make_task_env
 from drakearm.experiments.metrics import run_policy
 from drakearm.experiments.scenario import Scenario, load_scenario
-from drakearm.learning import ArmVectorEnv, BatchReport, Policy, imitate, train
-from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor
+from drakearm.learning import ArmVectorEnv, BatchReport, Policy, prepare, train
 from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning import plan
@@ -135,10 +133,8 @@ def measure_learning(quick: bool) -> None:
                         seconds.setdefault(goal, now - began - pauses)
             pauses += time.perf_counter() - now
 
-        def prepare(actor: Actor) -> InputScaling:
-            return imitate(actor, [task], settings.imitation_rounds, seed=0)
-
-        train(envs, settings, seed=0, metadata={}, prepare=prepare, checkpoint_path=file, on_batch=evaluate)
+        imitation = lambda actor: prepare(actor, [task], settings, seed=0)  # noqa: E731
+        train(envs, settings, seed=0, metadata={}, prepare=imitation, checkpoint_path=file, on_batch=evaluate)
     total = time.perf_counter() - began - pauses
     print(json.dumps({"seconds": [seconds.get(goal) for goal in ERRORS], "total": total, "error": error}))
 

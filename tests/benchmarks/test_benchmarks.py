@@ -96,6 +96,13 @@ def test_make_results_prints_its_page():
     assert (DOCS / "results.md").read_text() == before
 
 
+@pytest.mark.slow
+def test_make_policies_ships_a_policy():
+    done = run_quick(DOCS / "make_policies.py")
+    assert done.returncode == 0, done.stderr
+    assert len(assert_finite_table(done.stdout)) == 1
+
+
 def test_every_drawn_diagram_is_in_the_docs():
     script = runpy.run_path(str(DOCS / "draw_diagrams.py"))
     diagrams = script["build_diagrams"]()

@@ -37,11 +37,13 @@ def test_list_shows_the_shipped_scenarios():
         assert name in printed
 
 
-@pytest.mark.parametrize("command", [[], ["plan"], ["train"], ["evaluate"], ["replay"], ["run"], ["inspect"], ["list"]])
+@pytest.mark.parametrize(
+    "command", [[], *([name] for name in ("plan", "train", "evaluate", "replay", "export", "run", "inspect", "list"))]
+)
 def test_help_teaches(command):
     printed = drakearm(*command, "--help")
     assert len(printed) > 200
-    if command and command[0] not in ("list", "inspect"):
+    if command and command[0] not in ("list", "inspect", "export"):
         assert "SCENARIO" in printed and "--out" in printed and "--import" in printed
 
 

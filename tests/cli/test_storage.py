@@ -13,7 +13,7 @@ STEPS = ["plan", "train", "evaluate", "replay"]
 WRITTEN = {  # by each step, the file after which the disk is full
     "plan": ["scenario.yaml", "reference.npz", "plan.json", "plan.png"],
     "train": ["policy.safetensors", "training.csv"],
-    "evaluate": ["recording.npz", "noisy.npz", "metrics.json"],
+    "evaluate": ["recording.npz", "movement.png", "metrics.json"],
     "replay": ["replay.html"],
 }
 

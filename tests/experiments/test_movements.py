@@ -57,8 +57,8 @@ def end_of_simulation(arm, scenario, found) -> tuple[np.ndarray, np.ndarray]:
     return plant.GetPositions(context), plant.GetVelocities(context)
 
 
-def test_nineteen_movements_are_shipped():
-    assert len(scenario_files()) == 19
+def test_24_movements_are_shipped():
+    assert len(scenario_files()) == 24
 
 
 @pytest.mark.slow

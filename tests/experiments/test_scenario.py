@@ -105,7 +105,7 @@ def test_wrong_field_is_named(tmp_path, change, named):
             None,
             "success",
             [{"type": "joint_error", "of": "end"}],
-            "success.0.joint_error.below: is missing, but required",
+            "success.0.joint_error.below: is missing, but req",
         ),
         (None, "success", [{"type": "no_contact"}] * 2, "found two criteria with the name no_contact"),
         (None, "preset", "x", "preset: found 'x', expected 'drakearm' or 'paper'"),

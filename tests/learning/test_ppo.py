@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from pydantic import TypeAdapter, ValidationError
 
 from drakearm.errors import TrainingError
+from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor, Policy
 from drakearm.learning.ppo import BatchReport, PpoSettings, train
 from drakearm.learning.rollout import Collector
@@ -91,7 +92,7 @@ def vectorize(environment, n=4, mode=NEXT_STEP, **arguments):
 
 
 def collect(envs, steps, batches=1):
-    collector = Collector(envs, steps, seed=0)
+    collector = Collector(envs, steps, 0, InputScaling.none(1))
     actor = Actor(1, 1, (4,), initial_action=0.0, initial_std=5.0)
     generator = torch.Generator()
     return [collector.collect(actor, generator, batch) for batch in range(1, batches + 1)]
@@ -118,7 +119,7 @@ def test_a_batch_holds_the_true_successors_and_no_resets(mode, terminates):
 
 def test_log_probs_are_those_of_the_actions():
     actor = Actor(1, 1, (4,), initial_std=0.3)
-    rollout = Collector(vectorize(Counter), 8, seed=0).collect(actor, torch.Generator(), batch=1)
+    rollout = Collector(vectorize(Counter), 8, 0, InputScaling.none(1)).collect(actor, torch.Generator(), batch=1)
     with torch.no_grad():
         expected = actor.log_prob(rollout.observations, rollout.actions)
     torch.testing.assert_close(rollout.log_probs, expected, rtol=1e-4, atol=1e-5)
@@ -292,7 +293,7 @@ class Erring(Counter):
 def test_tracking_error_is_that_of_transitions_and_not_of_resets(mode):
     envs = SyncVectorEnv([lambda: Erring(length=4)] * 2, autoreset_mode=mode)
     steps = 4 if mode is AutoresetMode.SAME_STEP else 5  # with the step that only resets
-    rollout = Collector(envs, steps, seed=0).collect(Actor(1, 1), torch.Generator(), batch=1)
+    rollout = Collector(envs, steps, 0, InputScaling.none(1)).collect(Actor(1, 1), torch.Generator(), batch=1)
     assert rollout.tracking_error == (1 + 2 + 3 + 4) / 4
 
 

@@ -30,6 +30,6 @@ def test_profiles_are_cut_and_fit_their_numbers(group):
 
 
 def test_the_licence_of_the_data_is_shipped_with_them():
-    credits = (Path(drakearm.reproduction.__file__).parent / "people" / "CREDITS.md").read_text()
+    credits = (Path(drakearm.reproduction.__file__).parent / "hug_mp" / "CREDITS.md").read_text()
     assert "Copyright (c) 2025 TUM Chair of Information-oriented Control" in credits
     assert "Permission is hereby granted, free of charge" in credits

@@ -41,7 +41,8 @@ def test_the_page_fetches_nothing_and_its_links_lead_somewhere(report):
     assert all(target.startswith(("#", "data:")) for target in links.fetched)
     assert "@import" not in report.read_text() and "url(http" not in report.read_text()
     assert "runs/timing-0.4s/replay.html" in links.targets
-    beside = [target for target in links.targets if not target.startswith(("runs/", "http"))]
+    assert all(f'id="{target[1:]}"' in report.read_text() for target in links.targets if target.startswith("#"))
+    beside = [target for target in links.targets if not target.startswith(("runs/", "#"))]
     assert beside and all((report.parent / target).is_file() for target in beside)
 
 

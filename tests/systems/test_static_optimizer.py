@@ -26,7 +26,7 @@ def decide(optimizer, q, v, activation, reference):
 def activations(arm, q, a, load_mass=0.0):
     """The activations (n,) that accelerate the resting arm by a (n_q,), rad/s^2."""
     (tau,) = movement_torques(MakeTorqueArm(arm, load_mass), q[None], STILL[None], a[None])
-    desired, _ = static_activations(q, STILL, tau, np.full(14, 0.1), np.ones(2), arm.muscle_table, arm.path_table)
+    desired, _ = static_activations(q, STILL, tau, np.full(14, 0.1), np.eye(2), arm.muscle_table, arm.path_table)
     return desired
 
 

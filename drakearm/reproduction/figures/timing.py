@@ -21,10 +21,11 @@ from drakearm.reproduction.figures.panels import (
     method_line,
     method_marker,
 )
+from drakearm.reproduction.timing import LEARNED, end_error
 from drakearm.reproduction.trial import Method, Outcome
 
 _CONFIDENCE, _FEWEST = 0.95, 3  # two trainings say next to nothing about the confidence of their mean
-_LEARNED, _PAPER_BATCHES = 0.1, 150
+_PAPER_BATCHES = 150
 
 
 def draw_timing(movements: Mapping[str, Sequence[Outcome]]) -> Figure:
@@ -67,14 +68,15 @@ def _draw_joint(panel: Axes, outcomes: Sequence[Outcome], joint: int) -> None:
 
 def _draw_end_errors(panel: Axes, outcomes: Sequence[Outcome]) -> None:
     """The error of the worse joint at the end of each perturbed run, from the best to the worst, for each method."""
+    shown = [LEARNED, 0.1 * LEARNED]
     for method, some in by_method(outcomes).items():
-        runs = [run for outcome in some for run in outcome.perturbed]
-        errors = np.sort([np.abs(run.q[-1] - run.reference_q[-1]).max() for run in runs])
-        at = (np.arange(len(errors)) + 0.5) / max(len(errors), 1)
+        errors = np.sort([end_error(run) for outcome in some for run in outcome.perturbed])
+        at = 100 * (np.arange(len(errors)) + 0.5) / max(len(errors), 1)
         panel.plot(at, errors, linestyle="", markersize=3.5, markerfacecolor="none", **method_marker(method))
-    panel.axhline(_LEARNED, **PAPER)
+        shown += list(errors)
+    panel.axhline(LEARNED, **PAPER)
+    panel.set(xlim=(0, 100), xticks=(0, 50, 100), ylim=(0.8 * min(shown), 1.5 * max(shown)))
     _log_scale(panel)
-    panel.set(xlim=(0, 1), xticks=(0, 0.5, 1), xticklabels=("0", "50", "100"))
 
 
 def _log_scale(panel: Axes) -> None:
@@ -102,7 +104,7 @@ def draw_learning(movements: Mapping[str, Sequence[Outcome]]) -> Figure:
     for panel, (name, outcomes) in zip(panels, movements.items(), strict=True):
         for method, some in by_method(outcomes).items():
             _draw_curve(panel, method, [seed[0] for seed in by_seed(some)])
-        panel.axhline(_LEARNED, **PAPER)
+        panel.axhline(LEARNED, **PAPER)
         panel.axvline(_PAPER_BATCHES, **PAPER)
         _log_scale(panel)
         label_panel(panel, name, "batch", "" if panel is not panels[0] else "tracking error (rad)")

@@ -1,5 +1,7 @@
 """Every figure of the experiments: labelled axes, and legends that cover nothing."""
 
+from dataclasses import replace
+
 import pytest
 
 from drakearm.reproduction.catalog import EXPERIMENTS
@@ -43,3 +45,10 @@ def test_a_method_may_be_missing(name, make_outcome):
     experiment = EXPERIMENTS[name]
     trials = [trial for trial in experiment.trials(seeds=1) if trial.method == "default"]
     assert list(experiment.figures([make_outcome(trial) for trial in trials])) == DRAWN[name]
+
+
+def test_perturbed_runs_may_be_missing(make_outcome):
+    outcomes = [replace(make_outcome(trial), perturbed=()) for trial in EXPERIMENTS["timing"].trials(seeds=1)]
+    figures = EXPERIMENTS["timing"].figures(outcomes)
+    figures["fig5-timing"].draw_without_rendering()
+    assert all(row.values for row in EXPERIMENTS["timing"].rows(outcomes) if row.group != "perturbed runs")

@@ -1,0 +1,39 @@
+"""The policies that drakearm ships, one per shipped scenario, and how a run gets one without training."""
+
+import json
+import shutil
+from pathlib import Path
+
+from drakearm.experiments.catalog import find_scenario, scenario_files
+from drakearm.experiments.run_folder import STEPS, RunFolder
+from drakearm.experiments.steps import plan_step
+from drakearm.model.loader import arm_folder
+
+POLICIES = Path(__file__).parents[1] / "policies"
+_FILES = (*STEPS["train"].files, "metrics")  # of a run, by their names in RunFolder
+
+
+def shipped_run(scenario: str | Path) -> RunFolder | None:
+    """The folder with the policy of a shipped scenario, how it was trained, and its metrics; None if there is none."""
+    file = find_scenario(scenario)
+    folder = POLICIES / file.stem
+    return RunFolder(folder) if scenario_files().get(file.stem) == file and folder.is_dir() else None
+
+
+def adopt_step(run: RunFolder, scenario: str | Path, shipped: RunFolder) -> None:
+    """Plans a shipped scenario and takes its shipped policy, in place of a training."""
+    plan_step(run, scenario)
+    with run.replacing("train", arm_folder(run.scenario().arm)) as new:
+        for name in STEPS["train"].files:
+            if name != STEPS["train"].record:
+                shutil.copyfile(shipped.path(name), new.path(name))
+        new.write_record(json.loads(shipped.path("training").read_text(encoding="utf-8")))
+
+
+def ship(run: RunFolder, policies: Path) -> Path:
+    """Copies the policy of an evaluated run, and how it was trained, into a folder of policies. Returns its place."""
+    folder = policies / run.scenario().name
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in _FILES:
+        shutil.copyfile(run.existing(name, "evaluate"), folder / run.path(name).name)
+    return folder

@@ -1,0 +1,27 @@
+"""What comes before PPO: an actor imitates static optimization, or the arms move at random."""
+
+from collections.abc import Callable, Sequence
+
+from drakearm.learning.imitation import imitate
+from drakearm.learning.input_scaling import InputScaling
+from drakearm.learning.policy import Actor
+from drakearm.learning.ppo import PpoSettings
+from drakearm.learning.survey import survey
+from drakearm.task import TrackingTask
+
+
+def prepare(
+    actor: Actor,
+    tasks: Sequence[TrackingTask],
+    settings: PpoSettings,
+    seed: int,
+    on_round: Callable[[int], None] | None = None,
+) -> InputScaling:
+    """Trains an actor by as many rounds of imitation as the settings say. Returns the scaling of its inputs.
+
+    If the settings have no rounds of imitation, the actor stays as it is, and a survey gives the scaling. on_round:
+    called after each round with its number, from 1.
+    """
+    if settings.imitation_rounds:
+        return imitate(actor, tasks, settings.imitation_rounds, seed, on_round)
+    return survey(tasks, settings.initial_action, settings.initial_std, seed)
