@@ -92,7 +92,7 @@ def reproduce(
     """
     import_own_code(imports)
     experiments = _experiments(names)
-    from drakearm.reproduction.reproduce import reproduce
+    from drakearm.reproduction.reproduction import reproduce
 
     folder = out or _FOLDER
     try:

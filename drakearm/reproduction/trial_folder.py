@@ -9,10 +9,19 @@ from typing import Any
 import numpy as np
 
 from drakearm.errors import RunFolderError, shown
-from drakearm.experiments import Preset, RunFolder, evaluate_step, load_scenario, plan_step, replay_step, train_step
+from drakearm.experiments import (
+    Preset,
+    RunFolder,
+    evaluate_step,
+    load_scenario,
+    plan_step,
+    replay_step,
+    robust_step,
+    single_step,
+    static_step,
+    train_step,
+)
 from drakearm.experiments.metrics import versions
-from drakearm.experiments.robustness import robust_step, single_step
-from drakearm.experiments.static import static_step
 from drakearm.experiments.steps import with_batches
 from drakearm.files import replacement
 from drakearm.files.reading import read_json

@@ -7,7 +7,7 @@ import pytest
 
 from drakearm.errors import RunFolderError, SweepError
 from drakearm.reproduction.choices import Backend
-from drakearm.reproduction.reproduce import reproduce
+from drakearm.reproduction.reproduction import reproduce
 from drakearm.reproduction.trial import Method
 from tests.reproduction.small import Small, results, write_scenario
 
