@@ -75,6 +75,10 @@ class StorageError(DrakearmError):
     """A file that the file system does not let us write, for example because the disk is full."""
 
 
+class SweepError(DrakearmError):
+    """A sweep of many trials that cannot start, or whose workers ended before their time."""
+
+
 class OwnCodeError(DrakearmError):
     """A user's own module or file, given with `--import`, that cannot be found or fails when it is imported."""
 

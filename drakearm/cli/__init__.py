@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from drakearm.cli import evaluate, export, inspect, plan, replay, run, train
+from drakearm.cli import evaluate, export, inspect, plan, replay, reproduce, run, train
 from drakearm.cli.console import console, show_error
 from drakearm.cli.list import list_scenarios
 from drakearm.cli.streams import abandon_output, prepare_streams
@@ -31,6 +31,8 @@ app = typer.Typer(
     A run has four steps: **plan** finds the optimal joint movement, **train** learns muscle excitations that follow it,
     **evaluate** measures how well, **replay** shows it in a browser. `drakearm run SCENARIO` does the four in a row.
 
+    `drakearm reproduce` does this for the experiments of the paper, and reports its results beside the paper's.
+
     Start with `drakearm list`, then `drakearm run timing-0.7s`. `drakearm plan --help` explains one step.
     """,
 )
@@ -42,6 +44,7 @@ app.command("evaluate")(evaluate.evaluate)
 app.command("replay")(replay.replay)
 app.command("export")(export.export)
 app.command("run")(run.run)
+app.command("reproduce")(reproduce.reproduce)
 
 
 def _show_version(asked: bool) -> None:

@@ -23,6 +23,7 @@ __all__ = [
     "perturb_step",
     "plan_step",
     "replay_step",
+    "robust_step",
     "run_metrics",
     "run_policy",
     "run_policy_perturbed",
@@ -30,6 +31,8 @@ __all__ = [
     "scenario_files",
     "scenario_task",
     "shipped_run",
+    "single_step",
+    "static_step",
     "train_step",
 ]
 
@@ -39,9 +42,11 @@ if TYPE_CHECKING:
     from drakearm.experiments.environments import make_env, make_task_env, make_vector_env, scenario_task
     from drakearm.experiments.metrics import evaluation_metrics, run_metrics, run_policy, run_policy_stochastic
     from drakearm.experiments.perturbed import perturb_step, run_policy_perturbed
+    from drakearm.experiments.robustness import robust_step, single_step
     from drakearm.experiments.run_folder import RunFolder
     from drakearm.experiments.scenario import Scenario, load_scenario
     from drakearm.experiments.shipped import adopt_step, shipped_run
+    from drakearm.experiments.static import static_step
     from drakearm.experiments.steps import evaluate_step, plan_step, replay_step, train_step
     from drakearm.experiments.success import SuccessCriterion
 else:
@@ -58,9 +63,11 @@ else:
                 "run_policy_stochastic",
             ),
             "drakearm.experiments.perturbed": ("perturb_step", "run_policy_perturbed"),
+            "drakearm.experiments.robustness": ("robust_step", "single_step"),
             "drakearm.experiments.run_folder": ("RunFolder",),
             "drakearm.experiments.scenario": ("Scenario", "load_scenario"),
             "drakearm.experiments.shipped": ("adopt_step", "shipped_run"),
+            "drakearm.experiments.static": ("static_step",),
             "drakearm.experiments.steps": ("evaluate_step", "plan_step", "replay_step", "train_step"),
             "drakearm.experiments.success": ("SuccessCriterion",),
         },

@@ -46,6 +46,8 @@ STEPS = {  # in the order of a run
     ),
     "replay": Step(("scenario", "arm", "recording"), ("replay",), "replay"),  # as a comment in the page
     "perturb": Step(("scenario", "arm", "reference", "policy"), ("perturbed", "perturbed_recording"), "perturbed"),
+    "robust": Step(("scenario", "arm", "reference", "policy"), ("robustness", "robust_runs"), "robustness"),
+    "single": Step(("scenario", "arm", "reference", "policy"), ("single",), "single"),
 }
 
 
@@ -70,6 +72,9 @@ class RunFolder:
         "replay": "replay.html",
         "perturbed": "perturbed.json",  # metrics of runs on a perturbed arm, with this policy or another one
         "perturbed_recording": "perturbed.npz",  # Recording of the first of these runs
+        "robustness": "robustness.json",  # metrics of runs with the perturbations of the scenario
+        "robust_runs": "robustness.npz",  # Recordings of these runs
+        "single": "single_perturbations.json",  # errors with one perturbation at a time
     }
     EXTRAS = {  # noqa: RUF012
         "arm": "arm",  # a copy of the arm's folder, if it is not a shipped one

@@ -3,7 +3,7 @@
 import json
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -81,7 +81,7 @@ def train_step(
     """
     with run.locked(), run.scratch() as work:
         scenario = run.scenario()
-        settings = _with_batches(scenario.training, batches)
+        settings = with_batches(scenario.training, batches)
         task = _task(run, scenario)
         arm = arm_folder(scenario.arm)
         setup = {"seed": seed, "env": env.value, "settings": asdict(settings)}
@@ -136,6 +136,7 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
         planned = run.read_json("plan", "plan")
         scenario = run.scenario()
         task = _task(run, scenario)
+        start = time.perf_counter()
         recording, noisy = run_policy(task, policy), run_policy_stochastic(task, policy, training["seed"])
         metrics = {
             "scenario": scenario.name,
@@ -144,15 +145,24 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
             "training_steps": training["steps"],
             "training_seconds": training["seconds"],
             "plan_seconds": planned["seconds"],
+            "evaluation_seconds": time.perf_counter() - start,
             "versions": versions(),
         }
-        with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
-            recording.save(new.path("recording"))
-            save_recordings(noisy, new.path("noisy"))
-            movement = Movement(task, recording, noisy, metrics, scenario.name, scenario.description)
-            write_movement_picture(movement, new.path("movement_picture"))
-            new.write_record(metrics)
+        write_evaluation(run, task, recording, noisy, metrics)
         return metrics
+
+
+def write_evaluation(
+    run: RunFolder, task: TrackingTask, recording: Recording, noisy: Sequence[Recording], metrics: dict[str, Any]
+) -> None:
+    """Writes the files of an evaluation: of the run without noise, of those with noise, and their metrics."""
+    scenario = run.scenario()
+    with run.replacing("evaluate", arm_folder(scenario.arm)) as new:
+        recording.save(new.path("recording"))
+        save_recordings(noisy, new.path("noisy"))
+        movement = Movement(task, recording, noisy, metrics, scenario.name, scenario.description)
+        write_movement_picture(movement, new.path("movement_picture"))
+        new.write_record(metrics)
 
 
 def replay_step(run: RunFolder) -> Path:
@@ -174,7 +184,7 @@ def replay_step(run: RunFolder) -> Path:
         return run.path("replay")
 
 
-def _with_batches(settings: PpoSettings, batches: int | None) -> PpoSettings:
+def with_batches(settings: PpoSettings, batches: int | None) -> PpoSettings:
     """The settings with another number of batches, if one is given. Raises TrainingError if it is impossible."""
     try:
         return settings if batches is None else replace(settings, batches=batches)

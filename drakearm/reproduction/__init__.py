@@ -12,6 +12,7 @@ __all__ = [
     "Experiment",
     "Method",
     "Outcome",
+    "Reproduction",
     "Row",
     "Share",
     "Spread",
@@ -19,6 +20,7 @@ __all__ = [
     "Trial",
     "Value",
     "noisy",
+    "reproduce",
     "shares",
     "spreads",
     "write_report",
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from drakearm.reproduction.experiment import Experiment, noisy, shares, spreads
     from drakearm.reproduction.page import Table
     from drakearm.reproduction.report import write_report
+    from drakearm.reproduction.reproduction import Reproduction, reproduce
     from drakearm.reproduction.rows import Row, Share, Spread, Value
     from drakearm.reproduction.trial import Method, Outcome, Trial
 else:
@@ -39,6 +42,7 @@ else:
             "drakearm.reproduction.experiment": ("Experiment", "noisy", "shares", "spreads"),
             "drakearm.reproduction.page": ("Table",),
             "drakearm.reproduction.report": ("write_report",),
+            "drakearm.reproduction.reproduction": ("Reproduction", "reproduce"),
             "drakearm.reproduction.rows": ("Row", "Share", "Spread", "Value"),
             "drakearm.reproduction.trial": ("Method", "Outcome", "Trial"),
         },

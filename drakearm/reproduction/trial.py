@@ -24,7 +24,7 @@ class Method(StrEnum):
 class Trial:
     """One movement, learned (or not) by one method with one seed."""
 
-    scenario: str  # name of a shipped scenario
+    scenario: str  # name of a shipped scenario, or the path of a file
     method: Method
     seed: int = 0
 
