@@ -81,7 +81,7 @@ PAPER = PpoSettings(
     learning_rate=1e-3,
     target_kl=None,
     initial_std=0.3,
-    final_std=0.03,
+    final_std=0.015,
     critic_batches=0,
     imitation_rounds=0,
 )
