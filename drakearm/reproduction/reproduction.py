@@ -78,10 +78,11 @@ def reproduce(
         made = {trial: each for trial, each in folders.items() if trial not in failures}
         outcomes = [each.outcome() for each in made.values()]
         shown = [outcome for experiment in experiments for outcome in _whole(experiment, outcomes, seeds)]
-        replays = {trial: str(each.run.path("replay").relative_to(place)) for trial, each in made.items()}
+        replays = {trial: each.run.path("replay") for trial, each in made.items()}
+        links = {trial: str(page.relative_to(place)) for trial, page in replays.items() if page.exists()}
         table = perturbation_table(list(made.values()))
         tables = [table] if table else []
-        report = write_report(folder, experiments, shown, command, replays, tables) if shown else None
+        report = write_report(folder, experiments, shown, command, links, tables) if shown else None
     return Reproduction(outcomes, failures, len(folders) - len(unfinished), len(unfinished), report)
 
 

@@ -58,7 +58,8 @@ class TrialFolder:
         self.preset = Preset.paper if trial.method is Method.ppo_alone else None
         self.batches = batches
         self.settings = _settings(trial.method, scenario.training, batches)
-        self._steps = ["metrics", "replay"]  # what is made after the plan and the training, by its main file
+        self._steps = ["metrics"]  # what is made after the plan and the training, by its main file
+        self._steps += ["replay"] if trial.seed == 0 else []  # each takes some MB
         self._steps += ["robustness"] if scenario.perturbations else []
         self._steps += ["single"] if (trial.scenario, trial.seed) == _COMPARED else []
 

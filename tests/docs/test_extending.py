@@ -31,4 +31,4 @@ def test_named_files_exist():
 def test_each_row_of_the_table_has_a_section():
     links = re.findall(r"^\| \[.*?\]\(#(.*?)\)", PAGE, flags=re.MULTILINE)
     headings = {h.lower().replace(" ", "-") for h in re.findall(r"^## (.*)$", PAGE, flags=re.MULTILINE)}
-    assert len(links) == 10 and set(links) <= headings
+    assert len(links) == 11 and set(links) <= headings
