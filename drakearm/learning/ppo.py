@@ -49,7 +49,7 @@ class PpoSettings:
     learning_rate: Annotated[Positive, Field(le=1.0)] = 3e-5  # the actor's in the first batch
     target_kl: Positive | None = 0.1  # nats per batch, held by the learning rate; None: this falls linearly to 0
     critic_learning_rate: Annotated[Positive, Field(le=1.0)] = 1e-3  # in the first batch; it falls linearly to 0
-    critic_batches: Annotated[Whole, Field(ge=0, le=1_000_000)] = 5  # at the beginning, in which only the critic learns
+    critic_share: Fraction = 0.08  # of the batches, at the beginning, in which only the critic learns
     gamma: Fraction = 0.97  # discount per control step
     gae_lambda: Fraction = 0.95  # 0: one-step advantages, 1: returns minus values
     clip: Positive = 0.2  # epsilon: probability ratios further from 1 than this bring no more gain
@@ -82,7 +82,7 @@ PAPER = PpoSettings(
     target_kl=None,
     initial_std=0.3,
     final_std=0.015,
-    critic_batches=0,
+    critic_share=0.0,
     imitation_rounds=0,
 )
 
@@ -157,7 +157,7 @@ def train(
         for batch in range(finished + 1, settings.batches + 1):
             done = (batch - 1) / settings.batches
             critic.set_learning_rate(settings.critic_learning_rate * (1.0 - done))
-            actor_learns = batch > settings.critic_batches
+            actor_learns = done >= settings.critic_share
             rate = learning_rate if settings.target_kl else settings.learning_rate * (1.0 - done)
             actor.set_learning_rate(rate if actor_learns else 0.0)
             if settings.final_std is not None:
