@@ -1,0 +1,27 @@
+"""The commands with a shipped policy: nothing has to be planned or trained first."""
+
+import json
+
+from tests.cli.command import drakearm
+
+
+def test_evaluate_measures_the_shipped_policy_of_a_new_run(tmp_path):
+    out = tmp_path / "run"
+    printed = drakearm("evaluate", "timing-0.4s", "--out", out)
+    assert "using the policy that drakearm ships" in printed
+    metrics = json.loads((out / "metrics.json").read_text())
+    assert max(metrics["noise_free"]["tracking_error_mean"]) < 0.01
+    assert "exists already" in drakearm("evaluate", "timing-0.4s", "--out", out, code=1)  # as for any other run
+    assert "open" in drakearm("replay", "timing-0.4s", "--out", out)
+
+
+def test_replay_evaluates_first_where_there_is_no_recording(tmp_path):
+    out = tmp_path / "run"
+    drakearm("replay", "timing-0.4s", "--out", out)
+    assert (out / "replay.html").exists() and (out / "metrics.json").exists()
+
+
+def test_a_run_with_a_plan_keeps_it_and_asks_for_a_training(tmp_path):
+    out = tmp_path / "run"
+    drakearm("plan", "timing-0.4s", "--out", out)
+    assert "`drakearm train timing-0.4s` makes it" in drakearm("evaluate", "timing-0.4s", "--out", out, code=1)
