@@ -76,7 +76,7 @@ class PpoSettings:
 PAPER = PpoSettings(
     batches=200,
     environments=32,
-    epochs=10,
+    epochs=8,
     minibatches=8,
     learning_rate=1e-3,
     target_kl=None,
