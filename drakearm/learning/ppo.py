@@ -74,7 +74,7 @@ class PpoSettings:
 
 
 PAPER = PpoSettings(
-    batches=200,
+    batches=150,  # the paper's 200 bring no more
     environments=32,
     epochs=8,
     minibatches=8,
