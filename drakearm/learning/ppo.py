@@ -74,7 +74,7 @@ class PpoSettings:
 
 
 PAPER = PpoSettings(
-    batches=150,  # the paper's 200 bring no more
+    batches=150,  # the paper's trainings have 200 and converge after about 150
     environments=32,
     epochs=8,
     minibatches=8,
