@@ -74,11 +74,11 @@ class PpoSettings:
 
 
 PAPER = PpoSettings(
-    batches=150,  # the paper's trainings have 200 and converge after about 150
+    batches=200,
     environments=32,
     epochs=8,
-    minibatches=8,
-    learning_rate=1e-3,
+    minibatches=4,
+    learning_rate=2e-3,
     target_kl=None,
     initial_std=0.3,
     final_std=0.015,
