@@ -69,8 +69,7 @@ class Lifting(Experiment):
         "The elbow bends by 90 degrees in 0.7 s with 1, 2, 5, 10 or 20 kg in the hand, 10 times with noise. The reward "
         "weighs both joints alike, or the shoulder by 0.2. The muscle load is the share of the time that a muscle is "
         "active above 80 %, mean over the flexors or the extensors of the elbow. 2 kg lie at the limit of strength: "
-        "static optimization needs full activation, and a start that is 1 degree off can make the lift fail. Where "
-        "muscles lack torque, no excitations can follow the plan."
+        "static optimization needs full activation. Where muscles lack torque, no excitations can follow the plan."
     )
 
     def trials(self, seeds: int) -> list[Trial]:

@@ -167,7 +167,7 @@ def test_missing_step_is_named(tiny, tmp_path):
     assert "drakearm plan" in drakearm("train", tiny, "--out", tmp_path, code=1)
     drakearm("plan", tiny, "--out", tmp_path)
     assert "drakearm train" in drakearm("evaluate", tiny, "--out", tmp_path, code=1)
-    assert "drakearm evaluate" in drakearm("replay", tiny, "--out", tmp_path, code=1)
+    assert "drakearm train" in drakearm("replay", tiny, "--out", tmp_path, code=1)
 
 
 def test_folder_of_another_scenario_is_refused(finished):

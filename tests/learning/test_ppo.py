@@ -193,7 +193,7 @@ def test_the_log_has_one_row_per_batch_with_the_values_of_its_report(tmp_path):
     assert [int(row["batch"]) for row in rows] == [1, 2, 3]
     for row, report in zip(rows, reports, strict=True):
         assert float(row["tracking_error"]) == report.tracking_error > 0
-        assert float(row["approx_kl"]) == report.approx_kl >= 0
+        assert float(row["approx_kl"]) == report.approx_kl >= -1e-6  # 0 but for rounding while the actor rests
     assert math.isnan(reports[0].mean_reward)  # no episode ends in the 16 steps of the first batch
     assert reports[1].mean_reward < 0
     assert reports[-1].seconds_left == 0
