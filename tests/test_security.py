@@ -39,7 +39,11 @@ CONNECTIONS = {
     "xmlrpc",
 }
 OTHER_PROGRAMS = {"subprocess", "pty"}
-MAY_IMPORT = {"drakearm/muscle/compile_cache.py": {"pickle"}}  # checked with a checksum, see the file
+MAY_IMPORT = {
+    "drakearm/muscle/compile_cache.py": {"pickle"},  # checked with a checksum, see the file
+    "drakearm/reproduction/backends.py": {"joblib"},  # no file: it exchanges messages with its own workers
+    "drakearm/reproduction/sweep.py": {"joblib"},
+}
 MAY_LOAD_YAML = {"drakearm/files/reading.py": "_Loader", "drakearm/experiments/catalog.py": "_FastLoader"}
 UNSAFE_CALLS = (
     r"eval|exec|compile|__import__|os\.(system|popen|exec\w*|spawn\w*)|torch\.load|pd\.read_pickle|StartMeshcat|"

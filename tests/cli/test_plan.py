@@ -76,8 +76,8 @@ def test_two_scenarios_of_one_name_are_refused(tmp_path):
 @pytest.mark.slow
 def test_plan_all_plans_every_shipped_scenario(tmp_path):
     printed = plan("all", "--out", tmp_path)
-    assert "19 of 19 movements planned" in printed
-    table = printed[printed.index("19 of 19 movements planned") :]
+    summary = f"{len(scenario_files())} of {len(scenario_files())} movements planned"
+    table = printed[printed.index(summary) :]
     rows = [line.split()[0] for line in table.splitlines() if "solution found" in line]
     assert rows == list(scenario_files())
     for name in scenario_files():
