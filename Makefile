@@ -29,8 +29,9 @@ LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
 
+# Three workers for two cores: many tests wait for processes that they started.
 test: $(LINKED) ## all tests, in parallel
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 3 --dist worksteal
 
 test-cpus: $(LINKED) ## the quick tests as on other processors: PyTorch without vectors, then Numba with AVX2 at most
 	ATEN_CPU_CAPABILITY=default $(BIN)/pytest -n 2 -m 'not slow'

@@ -66,7 +66,7 @@ def test_a_stopped_reproduction_is_completed(scenario, tmp_path):
     stopped = (*small, "--out", tmp_path / "stopped")
     trials = tmp_path / "stopped" / "trials" / "small"
 
-    begun = trials / "default" / "seed-0" / "checkpoint.safetensors"
+    begun = trials / "default" / "seed-0" / "training.json"  # from the first batch on
     code, printed = stop(signal.SIGINT, begun, *stopped, "--import", own)
     assert code == 130 and "the same command continues" in printed and "Traceback" not in printed
     evaluated = trials / "default" / "seed-0" / "metrics.json"
