@@ -162,10 +162,9 @@ def main() -> None:
     print(f"|{'---|' * (len(movements) + 3)}", flush=True)
     for name in arguments.variants or (QUICK if arguments.quick else VARIANTS):
         trainings = [(name, movement, seed, arguments.quick) for movement in movements for seed in range(seeds)]
-        if arguments.quick:
-            measured = [measure(*training) for training in trainings]
-        else:
-            measured = Parallel(n_jobs=arguments.jobs)(delayed(measure)(*training) for training in trainings)
+        # Forked: another process could not read the rewards and starts of this script.
+        workers = Parallel(n_jobs=arguments.jobs, backend="multiprocessing")
+        measured = workers(delayed(measure)(*training) for training in trainings)
         errors, seconds = np.array(measured).T
         medians = np.median(1e3 * errors.reshape(len(movements), seeds), axis=1)
         cells = [*(f"{median:.1f}" for median in medians), f"{1e3 * errors.max():.1f}", f"{np.median(seconds):.0f}"]

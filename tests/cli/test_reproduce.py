@@ -44,8 +44,11 @@ def test_wrong_arguments_are_refused():
 
 
 def stop(signal_number, file, *arguments):
-    """Starts the command in a process group of its own, and stops it when a file exists. Returns code and output."""
-    process = start(*arguments, start_new_session=True)
+    """Starts the command in a process group of its own, and stops it when a file exists. Returns code and output.
+
+    A shell lets what it starts in the background ignore Ctrl-C, so the command must get back the default.
+    """
+    process = start(*arguments, start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     while not file.exists() and process.poll() is None:
         time.sleep(0.02)
     if signal_number == signal.SIGINT:
