@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import trapezoid
-from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.diagrams import MakePolicyLoop
 from drakearm.experiments.success import SuccessCriterion
@@ -20,7 +19,6 @@ from drakearm.model.skeleton import hand_motion
 from drakearm.task import TrackingTask
 
 STOCHASTIC_RUNS = 10
-_DENSE = 1e-3  # s, between the times at which the clearance is measured
 _PACKAGES = ("drakearm", "drake", "torch", "numpy", "numba", "gymnasium")
 
 
@@ -64,7 +62,8 @@ def run_metrics(task: TrackingTask, recording: Recording, criteria: Sequence[Suc
         "metabolic_energy": float(trapezoid(recording.metabolic_power.sum(axis=1), recording.t)),
     }
     if task.obstacle is not None and task.arm.outline:
-        distances = _least_distances(recording, Clearance(plant, task.arm, task.obstacle))
+        clearance = Clearance(plant, task.arm, task.obstacle)
+        distances = clearance.along(recording.t, recording.q, recording.v)[1].min(axis=0)
         metrics["clearance_cm"] = 100.0 * float(distances.min())
         for part, distance in zip(task.arm.outline, distances, strict=True):
             metrics[f"{part.name}_clearance_cm"] = 100.0 * float(distance)
@@ -96,10 +95,3 @@ def metrics_of_runs(
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages on which the numbers depend."""
     return {"python": python_version()} | {package: version(package) for package in _PACKAGES}
-
-
-def _least_distances(recording: Recording, clearance: Clearance) -> np.ndarray:
-    """Of the parts (c,), m, also between the samples, where cubic splines go through the angles and speeds."""
-    t = recording.t
-    times = np.linspace(t[0], t[-1], round((t[-1] - t[0]) / _DENSE) + 1)
-    return np.min([clearance(q)[0] for q in CubicHermiteSpline(t, recording.q, recording.v)(times)], axis=0)

@@ -2,11 +2,14 @@
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
+from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.model.arm import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.points import point_positions, read_points
 from drakearm.muscle.compiled import compiled
+
+_DENSE = 1e-3  # s, between the times at which the clearance of a movement is measured
 
 
 class Clearance:
@@ -24,6 +27,15 @@ class Clearance:
         A distance is negative if the part is inside the obstacle.
         """
         return clearances(q, self._ends, self._radii, *self._axis)
+
+    def along(self, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Times (n,), s, 1 ms apart, and the distances (n, c), m, of the parts in a movement then.
+
+        t: (N,), s. q, v: (N, n_q), rad and rad/s. Between these samples the joints follow the cubic curves of their
+        angles and speeds.
+        """
+        times = np.linspace(t[0], t[-1], round((t[-1] - t[0]) / _DENSE) + 1)
+        return times, np.array([self(posture)[0] for posture in CubicHermiteSpline(t, q, v)(times)])
 
 
 @compiled

@@ -4,13 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.experiments import load_scenario
 from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.clearance import Clearance
 from drakearm.model.recording import Recording
-from drakearm.planning.verification import GRID
 from drakearm.reproduction.experiment import (
     Experiment,
     all_methods,
@@ -37,14 +35,8 @@ class Bar:
         self._clearance = Clearance(MakeTorqueArm(arm), arm, scenario.obstacle)
 
     def clearance(self, run: Recording) -> tuple[np.ndarray, np.ndarray]:
-        """Times (n,), s, 1 ms apart, and the distances (n, parts), m, of the arm's parts then; negative is a contact.
-
-        Between the samples of the recording the joints follow the cubic curves of their angles and speeds. The parts
-        are those of the arm's outline.
-        """
-        t = np.linspace(run.t[0], run.t[-1], round((run.t[-1] - run.t[0]) / GRID) + 1)
-        q = CubicHermiteSpline(run.t, run.q, run.v)(t)
-        return t, np.array([self._clearance(posture)[0] for posture in q])
+        """Times (n,), s, and the distances (n, parts), m, of the arm's parts then: see `Clearance.along`."""
+        return self._clearance.along(run.t, run.q, run.v)
 
 
 class ObstacleAvoidance(Experiment):
