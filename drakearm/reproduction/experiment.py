@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from drakearm.model.recording import Recording
@@ -77,6 +78,11 @@ def shares(outcomes: Sequence[Outcome], measure: Callable[[Outcome], Sequence[bo
 def noisy(measure: Callable[[Outcome, Recording], _T]) -> Callable[[Outcome], list[_T]]:
     """The measure of an outcome that measures each of its noisy runs."""
     return lambda outcome: [measure(outcome, run) for run in outcome.noisy]
+
+
+def end_error(run: Recording) -> float:
+    """rad, of the joint with the larger error at the end."""
+    return float(np.abs(run.q[-1] - run.reference_q[-1]).max())
 
 
 def _collect(

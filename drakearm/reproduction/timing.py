@@ -12,6 +12,7 @@ from drakearm.reproduction.experiment import (
     all_methods,
     by_scenario,
     common_rows,
+    end_error,
     noisy,
     shares,
     spreads,
@@ -22,11 +23,6 @@ from drakearm.reproduction.trial import Outcome, Trial
 LEARNED = 0.1  # rad: the error below which the paper calls a movement learned
 _STRICT = 0.05  # rad
 _STRAYS = {"timing-0.4s": "0.2", "timing-0.7s": "0.1"}  # rad, in the paper
-
-
-def end_error(run: Recording) -> float:
-    """rad, of the joint with the larger error at the end."""
-    return float(np.abs(run.q[-1] - run.reference_q[-1]).max())
 
 
 def batches_to_learn(error: np.ndarray) -> int:

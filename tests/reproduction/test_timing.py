@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drakearm.reproduction.timing import Timing, batches_to_learn, end_error
+from drakearm.reproduction.experiment import end_error
+from drakearm.reproduction.timing import Timing, batches_to_learn
 from drakearm.reproduction.trial import Method, Trial
 
 

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 from scipy.stats import t as student
 
-from drakearm.reproduction.experiment import by_method, by_seed
+from drakearm.reproduction.experiment import by_method, by_seed, end_error
 from drakearm.reproduction.figures.panels import (
     PAPER,
     REFERENCE_COLOR,
@@ -21,7 +21,7 @@ from drakearm.reproduction.figures.panels import (
     method_line,
     method_marker,
 )
-from drakearm.reproduction.timing import LEARNED, end_error
+from drakearm.reproduction.timing import LEARNED
 from drakearm.reproduction.trial import Method, Outcome
 
 _CONFIDENCE, _FEWEST = 0.95, 3  # two trainings say next to nothing about the confidence of their mean
