@@ -121,8 +121,9 @@ class Collector:
         episode_returns: list[float] = []
         errors: list[NDArray[Any]] = []
 
+        scaled = self.scaling(self._observation)
         for t in range(self._steps):
-            before[t] = self.scaling(self._observation)
+            before[t] = scaled
             _require_finite(before[t], "an observation", batch)
             actions[t] += mean(observations[t].to(device)).cpu()
             bounded = actions[t].numpy().clip(self._low, self._high)
@@ -130,7 +131,7 @@ class Collector:
 
             ended_now = terminal | truncated
             moved = ~self._resets_next
-            after[t] = self.scaling(observation)
+            after[t] = scaled = self.scaling(observation)
             if self._same_step and ended_now.any():
                 after[t, ended_now] = self.scaling(np.stack(infos["final_obs"][ended_now]))
             rewards[t], terminated[t], ended[t], valid[t] = reward, terminal, ended_now, moved
