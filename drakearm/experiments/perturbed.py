@@ -14,7 +14,6 @@ from drakearm.experiments.run_folder import RunFolder
 from drakearm.learning import Policy
 from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording
-from drakearm.model.reference import Reference
 from drakearm.task import TrackingTask
 
 SEED = 0  # of all noise: the same for every policy, so that they can be compared
@@ -44,7 +43,7 @@ def perturb_step(
     with run.locked():
         file = policy_file or run.existing("policy", "train")
         policy, scenario = Policy.load(file), run.scenario()
-        task = scenario.task(Reference.load(run.existing("reference", "plan")))
+        task = run.task(scenario)
         recordings = run_policy_perturbed(task, policy, perturbations, seed=SEED, runs=STOCHASTIC_RUNS)
         metrics = {
             "scenario": scenario.name,

@@ -16,7 +16,6 @@ from drakearm.experiments.static import run_static
 from drakearm.learning import Policy
 from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording, save_recordings
-from drakearm.model.reference import Reference
 from drakearm.task import TrackingTask
 
 ROBUST_RUNS = 12  # of each movement: 48 of the four timed movements, as in the paper
@@ -34,7 +33,8 @@ SINGLE: dict[str, list[dict[str, Any]]] = {  # name and what it consists of, as 
 def robust_step(run: RunFolder) -> dict[str, Any]:
     """Runs ROBUST_RUNS times with the perturbations of the scenario. Writes the recordings and robustness.json."""
     with run.locked():
-        scenario, task = run.scenario(), _task(run)
+        scenario = run.scenario()
+        task = run.task(scenario)
         recordings = _runs(run, task, scenario.perturbations, ROBUST_RUNS)
         metrics = {
             "scenario": scenario.name,
@@ -54,7 +54,8 @@ def single_step(run: RunFolder) -> dict[str, Any]:
     tracking_error_mean: for each name, the mean error (rad) of each joint, over all runs.
     """
     with run.locked():
-        scenario, task = run.scenario(), _task(run)
+        scenario = run.scenario()
+        task = run.task(scenario)
         errors = {}
         for name, contents in SINGLE.items():
             runs = _runs(run, task, [Perturbation.read(content) for content in contents], STOCHASTIC_RUNS)
@@ -70,7 +71,3 @@ def _runs(run: RunFolder, task: TrackingTask, perturbations: Sequence[Perturbati
         return run_static(task, perturbations, seed=SEED, runs=count)
     policy = Policy.load(run.existing("policy", "train"))
     return run_policy_perturbed(task, policy, perturbations, seed=SEED, runs=count)
-
-
-def _task(run: RunFolder) -> TrackingTask:
-    return run.scenario().task(Reference.load(run.existing("reference", "plan")))

@@ -25,6 +25,8 @@ from drakearm.files.reading import read_json, read_yaml
 from drakearm.files.together import recover, replaced_together
 from drakearm.files.writing import storage
 from drakearm.model.loader import arm_folder
+from drakearm.model.reference import Reference
+from drakearm.task import TrackingTask
 
 
 class Step(NamedTuple):
@@ -160,6 +162,10 @@ class RunFolder:
     def scenario(self) -> Scenario:
         """The scenario of this run."""
         return load_scenario(self.existing("scenario", "plan"))
+
+    def task(self, scenario: Scenario) -> TrackingTask:
+        """The task of this run: to follow its plan. scenario: that of this run."""
+        return scenario.task(Reference.load(self.existing("reference", "plan")))
 
     def holds_plan_of(self, scenario: str | Path, preset: Preset | None = None) -> bool:
         """Whether the folder holds a plan of this scenario, with the same fields, preset and arm.

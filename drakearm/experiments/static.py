@@ -12,7 +12,6 @@ from drakearm.experiments.perturbed import SEED
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.steps import write_evaluation
 from drakearm.model.recording import Recording
-from drakearm.model.reference import Reference
 from drakearm.task import TrackingTask
 
 
@@ -35,7 +34,7 @@ def static_step(run: RunFolder) -> dict[str, Any]:
     with run.locked():
         planned = run.read_json("plan", "plan")
         scenario = run.scenario()
-        task = scenario.task(Reference.load(run.existing("reference", "plan")))
+        task = run.task(scenario)
         start = time.perf_counter()
         recording, noisy = MakeStaticLoop(task).Run(), run_static(task, seed=SEED, runs=STOCHASTIC_RUNS)
         metrics = {

@@ -15,13 +15,12 @@ from drakearm.experiments.choices import EnvKind, Preset
 from drakearm.experiments.environments import make_training_envs
 from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_policy_stochastic, versions
 from drakearm.experiments.run_folder import RunFolder
-from drakearm.experiments.scenario import Scenario, load_scenario
+from drakearm.experiments.scenario import load_scenario
 from drakearm.figures import Movement, write_movement_picture, write_plan_picture
 from drakearm.learning import BatchReport, Policy, PpoSettings, prepare, train
 from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording, save_recordings
-from drakearm.model.reference import Reference
 from drakearm.planning import plan
 from drakearm.planning.feasibility import muscle_feasibility
 from drakearm.planning.plan_report import PlanReport
@@ -82,7 +81,7 @@ def train_step(
     with run.locked(), run.scratch() as work:
         scenario = run.scenario()
         settings = with_batches(scenario.training, batches)
-        task = _task(run, scenario)
+        task = run.task(scenario)
         arm = arm_folder(scenario.arm)
         setup = {"seed": seed, "env": env.value, "settings": asdict(settings)}
         earlier = _earlier_training(run, setup) if resume else None
@@ -135,7 +134,7 @@ def evaluate_step(run: RunFolder) -> dict[str, Any]:
         training = run.read_json("training", "train")
         planned = run.read_json("plan", "plan")
         scenario = run.scenario()
-        task = _task(run, scenario)
+        task = run.task(scenario)
         start = time.perf_counter()
         recording, noisy = run_policy(task, policy), run_policy_stochastic(task, policy, training["seed"])
         metrics = {
@@ -207,7 +206,3 @@ def _earlier_training(run: RunFolder, setup: dict[str, Any]) -> dict[str, Any] |
                 "expected the same, or --overwrite."
             )
     return training
-
-
-def _task(run: RunFolder, scenario: Scenario) -> TrackingTask:
-    return scenario.task(Reference.load(run.existing("reference", "plan")))

@@ -27,7 +27,6 @@ from drakearm.files import replacement
 from drakearm.files.reading import read_json
 from drakearm.learning import PAPER, BatchReport, PpoSettings
 from drakearm.model.recording import Recording, load_recordings
-from drakearm.model.reference import Reference
 from drakearm.planning.feasibility import muscle_feasibility
 from drakearm.reproduction.trial import Method, Outcome, Trial
 
@@ -125,7 +124,7 @@ class TrialFolder:
         """What the finished trial gave, from its files. Raises RunFolderError if one is missing or damaged."""
         run, learned = self.run, self.trial.method is not Method.static
         scenario, planned = run.scenario(), run.read_json("plan", "plan")
-        task = scenario.task(Reference.load(run.existing("reference", "plan")))
+        task = run.task(scenario)
         metrics = run.read_json("metrics", "evaluate")
         seconds = {
             "plan": planned["seconds"],
