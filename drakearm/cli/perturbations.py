@@ -37,7 +37,7 @@ MotorNoise = Annotated[
     _option("--motor-noise", "SHARE", "Add noise to the excitations: its standard deviation as a share of them."),
 ]
 SensorDelay = Annotated[
-    float | None, _option("--sensor-delay", "S", "Let the policy sense its body so many seconds late.")
+    float | None, _option("--sensor-delay", "S", "Delay what the policy senses of its body by a time in seconds.")
 ]
 Push = Annotated[
     tuple | None,
