@@ -1,6 +1,7 @@
 """Writes docs/results.md from the numbers of a reproduction of the paper's experiments.
 
-`drakearm reproduce all` writes them into a file, results.json; then `python docs/make_results.py FILE` writes the page.
+`drakearm reproduce all` writes them into a file, results.json; then `python docs/make_results.py FILE` writes the page,
+and keeps the numbers beside it in docs/results.json.
 `--quick` only checks that it works: it prints the page of one movement, by static optimization.
 """
 
@@ -24,6 +25,7 @@ from drakearm.reproduction.results import collect_results
 from drakearm.reproduction.trial import Method, Outcome, Trial
 
 PAGE = Path(__file__).parent / "results.md"
+NUMBERS = PAGE.with_suffix(".json")
 
 _HEAD = """# The paper's experiments, reproduced
 Made by `{command}` and `python docs/make_results.py`, with
@@ -48,7 +50,9 @@ def main() -> None:
     elif options.file is None:
         parser.error("expected the results.json of a reproduction, or --quick")
     else:
-        PAGE.write_text(page(json.loads(options.file.read_text(encoding="utf-8"))), encoding="utf-8")
+        numbers = options.file.read_text(encoding="utf-8")
+        PAGE.write_text(page(json.loads(numbers)), encoding="utf-8")
+        NUMBERS.write_text(numbers, encoding="utf-8")
         print(f"wrote {PAGE}")
 
 

@@ -1,5 +1,6 @@
 """Every benchmark, and every script that makes a page or picture of the documentation, runs and prints its table."""
 
+import json
 import math
 import os
 import re
@@ -94,6 +95,11 @@ def test_make_results_prints_its_page():
     assert done.returncode == 0, done.stderr
     assert len(assert_finite_table(done.stdout)) > 3
     assert (DOCS / "results.md").read_text() == before
+
+
+def test_the_page_of_results_is_the_one_that_the_script_writes():
+    script = runpy.run_path(str(DOCS / "make_results.py"))
+    assert script["page"](json.loads((DOCS / "results.json").read_text())) == (DOCS / "results.md").read_text()
 
 
 @pytest.mark.slow
