@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from drakearm.learning.imitation import imitate
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.policy import Actor
-from drakearm.learning.ppo import PpoSettings
+from drakearm.learning.ppo_settings import PpoSettings
 from drakearm.learning.survey import survey
 from drakearm.task import TrackingTask
 
