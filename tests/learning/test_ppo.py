@@ -4,21 +4,16 @@ import csv
 import math
 from dataclasses import fields, replace
 
-import gymnasium
 import numpy as np
 import pytest
 import torch
-from gymnasium.spaces import Box, Discrete
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from pydantic import TypeAdapter, ValidationError
+from gymnasium.spaces import Discrete
+from gymnasium.vector import AutoresetMode
 
 from drakearm.errors import TrainingError
-from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor, Policy
-from drakearm.learning.ppo import BatchReport, PpoSettings, train
-from drakearm.learning.rollout import Collector
-
-NEXT_STEP, SAME_STEP = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP
+from drakearm.learning import BatchReport, PpoSettings, train
+from drakearm.learning.policy import Policy
+from tests.small_environments import NEXT_STEP, SAME_STEP, Counter, Tracker, vectorize
 
 SMALL = PpoSettings(
     batches=3,
@@ -35,99 +30,6 @@ SMALL = PpoSettings(
     final_std=None,
     imitation_rounds=0,
 )
-
-
-class Counter(gymnasium.Env):
-    """Observes the number of steps so far; the reward is 1 per step; an episode has `length` steps."""
-
-    observation_space = Box(-np.inf, np.inf, (1,), np.float64)
-    action_space: gymnasium.Space = Box(-1.0, 1.0, (1,), np.float64)
-
-    def __init__(self, length=5, terminates=False, reward=1.0):
-        self.length, self.terminates, self.reward = length, terminates, reward
-
-    def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
-        self.count = 0
-        return np.zeros(1), {}
-
-    def step(self, action):
-        assert self.action_space.contains(action)
-        self.count += 1
-        end = self.count == self.length
-        observation = np.array([float(self.count)])
-        return observation, self.reward, end and self.terminates, end and not self.terminates, {}
-
-
-class Tracker(gymnasium.Env):
-    """A point that moves by its action and should follow a sine. An episode is truncated after 20 steps.
-
-    Observes position and target. The best action is their difference; its reward is 0.
-    """
-
-    observation_space = Box(-np.inf, np.inf, (2,), np.float32)
-    action_space = Box(-1.0, 1.0, (1,), np.float32)
-
-    def _observation(self):
-        self.target = math.sin(self.phase + 0.3 * self.count)
-        return np.array([self.position, self.target], dtype=np.float32)
-
-    def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
-        self.phase = self.np_random.uniform(0, 2 * math.pi)
-        self.count = 0
-        self.position = math.sin(self.phase)
-        return self._observation(), {}
-
-    def step(self, action):
-        self.position += float(action[0])
-        error = self.target - self.position
-        self.count += 1
-        info = {"tracking_error": np.array([error, -error])}
-        return self._observation(), -(error**2), False, self.count == 20, info
-
-
-def vectorize(environment, n=4, mode=NEXT_STEP, **arguments):
-    return SyncVectorEnv([lambda: environment(**arguments)] * n, autoreset_mode=mode)
-
-
-def collect(envs, steps, batches=1):
-    collector = Collector(envs, steps, 0, InputScaling.none(1))
-    actor = Actor(1, 1, (4,), initial_action=0.0, initial_std=5.0)
-    generator = torch.Generator()
-    return [collector.collect(actor, generator, batch) for batch in range(1, batches + 1)]
-
-
-@pytest.mark.parametrize("terminates", [False, True])
-@pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
-def test_a_batch_holds_the_true_successors_and_no_resets(mode, terminates):
-    envs = vectorize(Counter, mode=mode, length=5, terminates=terminates)
-    rollouts = collect(envs, steps=8, batches=3)  # some episodes continue in the next batch
-    valid = np.concatenate([rollout.valid for rollout in rollouts])
-    before = np.concatenate([rollout.observations for rollout in rollouts])[valid]
-    after = np.concatenate([rollout.successors for rollout in rollouts])[valid]
-    ended = np.concatenate([rollout.ended for rollout in rollouts])[valid]
-    terminated = np.concatenate([rollout.terminated for rollout in rollouts])[valid]
-
-    np.testing.assert_array_equal(after, before + 1)
-    np.testing.assert_array_equal(ended, after[:, 0] == 5)
-    np.testing.assert_array_equal(terminated, ended & terminates)
-    assert valid.sum() == 4 * (20 if mode == NEXT_STEP else 24)  # 5 of 6 steps, or all
-    returns = [value for rollout in rollouts for value in rollout.episode_returns]
-    assert returns == [5.0] * 16
-
-
-def test_log_probs_are_those_of_the_actions():
-    actor = Actor(1, 1, (4,), initial_std=0.3)
-    rollout = Collector(vectorize(Counter), 8, 0, InputScaling.none(1)).collect(actor, torch.Generator(), batch=1)
-    with torch.no_grad():
-        expected = actor.log_prob(rollout.observations, rollout.actions)
-    torch.testing.assert_close(rollout.log_probs, expected, rtol=1e-4, atol=1e-5)
-
-
-def test_actions_are_kept_as_sampled_and_clipped_for_the_environment():
-    (rollout,) = collect(vectorize(Counter), steps=8)  # Counter asserts that they are in bounds
-    assert rollout.actions.abs().max() > 1
 
 
 @pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
@@ -261,40 +163,6 @@ class Breaks(Counter):
 def test_unusable_environments_and_settings_are_refused(environment, arguments, changes, sentence):
     with pytest.raises(TrainingError, match=sentence):
         train(vectorize(environment, **arguments), replace(SMALL, **changes), seed=0, metadata={})
-
-
-def test_settings_come_from_plain_data():
-    read = TypeAdapter(PpoSettings).validate_python
-    assert read({"batches": 7, "actor_layers": [8, 8]}) == PpoSettings(batches=7, actor_layers=(8, 8))
-    for wrong in (
-        {"batch": 7},
-        {"steps": 0},
-        {"gamma": 1.5},
-        {"learning_rate": math.inf},
-        {"critic_layers": [64, 0]},
-    ):
-        with pytest.raises(ValidationError, match=next(iter(wrong))):
-            read(wrong)
-
-
-class Erring(Counter):
-    """Reports minus the number of steps so far as its tracking error, and 1000 at a reset."""
-
-    def reset(self, *, seed=None, options=None):
-        observation, _ = super().reset(seed=seed)
-        return observation, {"tracking_error": np.array([1000.0])}
-
-    def step(self, action):
-        *rest, _ = super().step(action)
-        return *rest, {"tracking_error": np.array([-float(self.count)])}
-
-
-@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_tracking_error_is_that_of_transitions_and_not_of_resets(mode):
-    envs = SyncVectorEnv([lambda: Erring(length=4)] * 2, autoreset_mode=mode)
-    steps = 4 if mode is AutoresetMode.SAME_STEP else 5  # with the step that only resets
-    rollout = Collector(envs, steps, 0, InputScaling.none(1)).collect(Actor(1, 1), torch.Generator(), batch=1)
-    assert rollout.tracking_error == (1 + 2 + 3 + 4) / 4
 
 
 def test_exploration_fades_as_scheduled():
