@@ -14,7 +14,8 @@ from drakearm.model import Arm
 from drakearm.model.equilibrium import Equilibrium, find_equilibrium
 from drakearm.model.musculature import RESTING_ACTIVATION, require_state
 from drakearm.model.obstacle import Obstacle, add_obstacle
-from drakearm.model.skeleton import add_skeleton
+from drakearm.model.skeleton import add_skeleton, load_inertia
+from drakearm.model.skeleton_file import LOAD
 from drakearm.systems.hill_muscles import HillMuscles
 from drakearm.systems.joint_stops import JointStops
 
@@ -55,6 +56,15 @@ class MuscleArm:
         self.plant.SetVelocities(context, v)
         self.muscles.SetEquilibrium(self.muscles.GetMyMutableContextFromRoot(root_context), q, activation)
 
+    def SetBody(self, root_context: Context, load_mass: float, strength: float | np.ndarray) -> None:
+        """Sets the load (kg) and the factors of the maximum isometric forces, one number or (n,).
+
+        Only for an arm with a variable load. Raises StateError for other numbers than positive ones.
+        """
+        load = self.plant.GetBodyByName(LOAD)
+        load.SetSpatialInertiaInBodyFrame(self.plant.GetMyMutableContextFromRoot(root_context), load_inertia(load_mass))
+        self.muscles.SetStrength(self.muscles.GetMyMutableContextFromRoot(root_context), strength)
+
     def SetEquilibrium(self, root_context: Context, q: np.ndarray) -> Equilibrium:
         """Sets the arm to rest at q (n_q,), rad, with muscles that hold it there, and returns this equilibrium.
 
@@ -71,6 +81,7 @@ def AddMuscleArm(
     arm: Arm,
     *,
     load_mass: float = 0.0,
+    variable_load: bool = False,
     stops: bool = True,
     time_step: float = TIME_STEP,
     scene_graph: SceneGraph | None = None,
@@ -78,15 +89,16 @@ def AddMuscleArm(
 ) -> MuscleArm:
     """Adds plant, muscles and joint stops to a builder and connects them to each other.
 
-    load_mass: kg, welded to the hand. stops: whether JointStops keep the joints in the ranges of the skeleton file.
-    time_step: s, of the muscles and stops; 0 makes them continuous. scene_graph: where the shapes of the skeleton and
-    of the obstacle are registered for drawing. obstacle: only drawn, the arm passes through it. The plant is always
-    continuous: simulate with `MakeSimulator`, or with an integrator of your choice.
+    load_mass: kg, welded to the hand. variable_load: whether `MuscleArm.SetBody` can change it. stops: whether
+    JointStops keep the joints in the ranges of the skeleton file. time_step: s, of the muscles and stops; 0 makes them
+    continuous. scene_graph: where the shapes of the skeleton and of the obstacle are registered for drawing. obstacle:
+    only drawn, the arm passes through it. The plant is always continuous: simulate with `MakeSimulator`, or with an
+    integrator of your choice.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(time_step=0.0))
     if scene_graph is not None:
         plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_skeleton(plant, arm, load_mass)
+    add_skeleton(plant, arm, load_mass, variable_load=variable_load)
     if scene_graph is not None and obstacle is not None:
         add_obstacle(plant, obstacle)
     plant.Finalize()

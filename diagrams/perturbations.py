@@ -107,7 +107,7 @@ class SensorDelay(Perturbation):
             return signal
         line = self.add_system(builder, DelayLine(step, steps, signal.size()))
         builder.Connect(signal, line.get_input_port())
-        return line.get_output_port()
+        return line.GetOutputPort("delayed_u")
 
 
 @dataclass(frozen=True, config=STRICT)

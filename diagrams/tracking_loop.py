@@ -42,7 +42,7 @@ class TrackingLoop:
         """
         simulator = MakeSimulator(self.diagram)
         context = simulator.get_mutable_context()
-        first = self.systems.Reset(context, rng).step
+        first = self.systems.Reset(context, rng).start.step
         simulator.Initialize()
         simulator.AdvanceTo(self.systems.task.reference.duration)
         logs = {name: log.FindLog(context) for name, log in self.logs.items()}

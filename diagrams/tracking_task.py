@@ -6,16 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
-from pydrake.systems.primitives import Demultiplexer, PassThrough, TrajectorySource
+from pydrake.systems.primitives import PassThrough
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
 from drakearm.diagrams.perturbation import BeginsRun, Perturbation, perturb_plant
 from drakearm.model.reference import CONTROL_STEP
+from drakearm.systems.delay_line import DelayLine
 from drakearm.systems.proprioception import Proprioception
+from drakearm.systems.reference_source import ReferenceSource
 from drakearm.systems.tracking_reward import TrackingReward
-from drakearm.task import Start, StartState, TrackingTask
+from drakearm.task import Episode, TrackingTask
+from drakearm.task.episode import LONGEST_STEPS
+from drakearm.task.signals import OF_BODY, RECENT
 
-_OF_MUSCLES = ("activation", "fiber_length", "fiber_velocity", "tendon_force")
 _ALWAYS_SENSED = ("arm_state", "activation")  # also by controllers that do not get the observation
 
 
@@ -23,36 +26,46 @@ _ALWAYS_SENSED = ("arm_state", "activation")  # also by controllers that do not 
 class TaskSystems:
     """The systems of a task in a Diagram. Connect the excitations of a controller to the port `excitation`.
 
-    task: as the controller knows it. arm, start: as they are, with the perturbations of load, strength and start.
-    sensed: what the controller gets of its body, by the names of signals; at least arm_state and activation. to_begin:
-    what is prepared for each run.
+    task: as the controller knows it. perturbed: as it is, with the perturbations of load, strength and start. varies:
+    whether load, strength and delay differ from run to run. sensed: what the controller gets of its body, by the names
+    of signals; at least arm_state and activation. delays: of what is sensed. to_begin: what is prepared for each run.
     """
 
     task: TrackingTask
+    perturbed: TrackingTask
+    varies: bool
     arm: MuscleArm
-    start: Start
+    reference: ReferenceSource
     excitation: InputPort
     sensed: dict[str, OutputPort]
     proprioception: Proprioception
     reward: TrackingReward
+    delays: tuple[DelayLine, ...]
     to_begin: tuple[BeginsRun, ...]
 
-    def StartState(self, rng: np.random.Generator | None = None) -> StartState:
-        """A start state of the task, clamped to the joint ranges. Without rng it has no noise."""
-        plant, start = self.arm.plant, self.start(self.task.reference, rng)
-        return start._replace(q=np.clip(start.q, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()))
+    def Reset(
+        self, root_context: Context, rng: np.random.Generator | None = None, task: TrackingTask | None = None
+    ) -> Episode:
+        """Draws an episode, sets the arm and the time to its start, and returns it. The time is that on the reference.
 
-    def Reset(self, root_context: Context, rng: np.random.Generator | None = None) -> StartState:
-        """Draws a start state, sets the arm and the time to it, and returns it. The time is that on the reference.
-
-        rng: what all noise comes from, of the start and of perturbations. Without it there is no noise.
+        The posture is clamped to the ranges of the joints. rng: what all that is random comes from, in the start, in
+        the randomization and in perturbations. Without it nothing is random. task: another task, whose reference,
+        load, start and randomization the run has; only if the systems vary.
         """
-        start = self.StartState(rng)
+        episode = (task or self.perturbed).episode(rng)
+        if task is not None:
+            self.reference.SetReference(root_context, task.reference)
+        if self.varies:
+            self.arm.SetBody(root_context, episode.load_mass, episode.strength)
+        plant, start = self.arm.plant, episode.start
+        q = np.clip(start.q, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits())
         root_context.SetTime(start.step * CONTROL_STEP)
-        self.arm.SetState(root_context, start.q, np.broadcast_to(start.v, len(start.q)), start.activation)
+        self.arm.SetState(root_context, q, np.broadcast_to(start.v, len(q)), start.activation)
+        for line in self.delays:
+            line.SetSteps(root_context, episode.delay_steps)
         for system in self.to_begin:
             system.Begin(root_context, rng)
-        return start
+        return episode._replace(start=start._replace(q=q))
 
 
 def AddTrackingTask(
@@ -60,10 +73,15 @@ def AddTrackingTask(
     task: TrackingTask,
     scene_graph: SceneGraph | None = None,
     perturbations: Sequence[Perturbation] = (),
+    *,
+    varies: bool | None = None,
+    reference: ReferenceSource | None = None,
 ) -> TaskSystems:
     """Adds arm, reference, senses and reward to a builder and connects them.
 
-    perturbations: what disturbs the arm and its senses. The observation and the reward stay those of the task.
+    perturbations: what disturbs the arm and its senses. The observation and the reward stay those of the task. varies:
+    whether each run can have another load, strength and delay; by default it can if the task has a randomization.
+    reference: a system of the builder that puts out the reference; by default the one of the task.
 
     The task's start is also the start of Drake's own contexts: the default context has the posture without noise, and
     SetRandomContext draws a posture with noise (`Start.random_posture`).
@@ -71,35 +89,53 @@ def AddTrackingTask(
     moved = task
     for perturbation in perturbations:
         moved = perturbation.perturb_task(moved)
-    arm = AddMuscleArm(builder, moved.arm, load_mass=moved.load_mass, scene_graph=scene_graph, obstacle=task.obstacle)
+    varies = bool(task.randomization) if varies is None else varies
+    arm = AddMuscleArm(
+        builder,
+        moved.arm,
+        load_mass=moved.load_mass,
+        variable_load=varies,
+        scene_graph=scene_graph,
+        obstacle=task.obstacle,
+    )
     arm.plant.SetDefaultPositions(moved.start(task.reference, None).q)
     for name, angle in zip(task.arm.coordinates, moved.start.random_posture(task.reference), strict=True):
         arm.plant.GetMutableJointByName(name).set_random_angle_distribution(angle)
 
-    n, n_preview = len(task.arm.muscles), len(task.arm.coordinates) * len(task.lookahead)
-    reference = builder.AddNamedSystem("reference", TrajectorySource(task.reference.preview_trajectory(), 1))
-    preview = builder.AddNamedSystem("preview", TrajectorySource(task.reference.preview_trajectory(task.lookahead), 1))
-    previews = builder.AddNamedSystem("preview_q_and_v", Demultiplexer(2 * n_preview, n_preview))
-    builder.Connect(preview.get_output_port(), previews.get_input_port())
+    n = len(task.arm.muscles)
+    if reference is None:
+        reference = builder.AddNamedSystem("reference", ReferenceSource(task.reference, task.lookahead))
     body = {"arm_state": arm.plant.get_state_output_port()}
-    body |= {name: arm.muscles.GetOutputPort(name) for name in _OF_MUSCLES}
-    signals = body | {
-        "arm_acceleration": arm.plant.get_generalized_acceleration_output_port(),
-        "reference": reference.get_output_port(),
-        "preview_q": previews.get_output_port(0),
-        "preview_v": previews.get_output_port(1),
-    }
+    body |= {name: arm.muscles.GetOutputPort(name) for name in OF_BODY if name != "arm_state"}
+    signals = (
+        body
+        | {
+            "arm_acceleration": arm.plant.get_generalized_acceleration_output_port(),
+        }
+        | {name: reference.GetOutputPort(name) for name in ("reference", "preview_q", "preview_v")}
+    )
     proprioception = builder.AddNamedSystem("proprioception", Proprioception(task))
     reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
     excitation = arm.muscles.GetInputPort("excitation")
-    if perturbations or "excitation" in (*proprioception.observation.reads, *task.reward.reads):
+    read = {*proprioception.observation.reads, *task.reward.reads}
+    if perturbations or read & {"excitation", "recent_excitation"}:
         shared = builder.AddNamedSystem("excitation", PassThrough(n))
         perturbed = signals["excitation"] = shared.get_output_port()
+        if "recent_excitation" in read:
+            recent = builder.AddNamedSystem("recent_excitation", DelayLine(CONTROL_STEP, RECENT, n, empty=True))
+            builder.Connect(perturbed, recent.get_input_port())
+            signals["recent_excitation"] = recent.GetOutputPort("past_u")
         for perturbation in perturbations:
             perturbed = perturbation.perturb_excitation(builder, perturbed)
         builder.Connect(perturbed, excitation)
         excitation = shared.get_input_port()
     sensed = {name: body[name] for name in body if name in (*proprioception.observation.reads, *_ALWAYS_SENSED)}
+    delays = {}
+    longest = LONGEST_STEPS if varies else task.episode(None).delay_steps
+    for name in sensed if longest else ():
+        delays[name] = builder.AddNamedSystem(f"delayed_{name}", DelayLine(CONTROL_STEP, longest, sensed[name].size()))
+        builder.Connect(sensed[name], delays[name].get_input_port())
+        sensed[name] = delays[name].GetOutputPort("delayed_u")
     for perturbation in perturbations:
         sensed = {name: perturbation.perturb_sense(builder, name, signal) for name, signal in sensed.items()}
     if perturbations:
@@ -109,17 +145,19 @@ def AddTrackingTask(
             port = system.get_input_port(i)
             builder.Connect(available[port.get_name()], port)
     to_begin = tuple(system for system in builder.GetSystems() if isinstance(system, BeginsRun))
-    return TaskSystems(task, arm, moved.start, excitation, sensed, proprioception, reward, to_begin)
+    lines = tuple(delays.values())
+    return TaskSystems(task, moved, varies, arm, reference, excitation, sensed, proprioception, reward, lines, to_begin)
 
 
-def MakeTrackingTask(task: TrackingTask) -> tuple[Diagram, TaskSystems]:
+def MakeTrackingTask(task: TrackingTask, *, varies: bool | None = None) -> tuple[Diagram, TaskSystems]:
     """A Diagram with the ports that `DiagramEnv` and pydrake.gym expect, and its systems.
 
-    Input: actions, which are the excitations (n,). Outputs: observations (`Proprioception`) and reward (1,). Further
-    outputs, for information only: arm_state (2 n_q,), tracking_error (n_q,) and activation (n,).
+    varies: see `AddTrackingTask`. Input: actions, which are the excitations (n,). Outputs: observations
+    (`Proprioception`) and reward (1,). Further outputs, for information only: arm_state (2 n_q,), tracking_error (n_q,)
+    and activation (n,).
     """
     builder = DiagramBuilder()
-    systems = AddTrackingTask(builder, task)
+    systems = AddTrackingTask(builder, task, varies=varies)
     builder.ExportInput(systems.excitation, "actions")
     builder.ExportOutput(systems.proprioception.get_output_port(), "observations")
     builder.ExportOutput(systems.reward.GetOutputPort("reward"), "reward")

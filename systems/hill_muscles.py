@@ -2,6 +2,7 @@
 
 import numpy as np
 from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, InitializeAutoDiff
+from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
     BasicVector_,
     Context,
@@ -94,7 +95,8 @@ def HillMuscles_(T):
             LeafSystem_[T].__init__(self, converter)
             self.arm = arm
             self.time_step = time_step
-            self._tables = (arm.muscle_table, arm.path_table)
+            # A parameter, because the strength of the muscles can differ from context to context.
+            self._muscles = self.DeclareAbstractParameter(AbstractValue.Make(arm.muscle_table))
             n, n_q = len(arm.muscles), len(arm.coordinates)
             self._n, self._n_q = n, n_q
             fiber_length = arm.muscle_table["optimal_fiber_length"]
@@ -103,7 +105,7 @@ def HillMuscles_(T):
 
             self._excitation = self.DeclareVectorInputPort("excitation", n)
             self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)
-            joints = {self._arm_state.ticket()}
+            joints = {self._arm_state.ticket(), self.all_parameters_ticket()}
             if time_step > 0.0:
                 state = {self.discrete_state_ticket(self.DeclareDiscreteState(resting))}
                 self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(n_q))
@@ -148,6 +150,23 @@ def HillMuscles_(T):
             else:
                 context.SetContinuousState(state[: 2 * self._n])
 
+        def SetStrength(self, context: Context, strength: float | np.ndarray):
+            """Multiplies the arm's maximum isometric forces by strength, one factor or (n,).
+
+            Tendons become as much stiffer as the muscles get stronger. Raises StateError unless all factors are
+            positive and finite.
+            """
+            factors = np.broadcast_to(np.asarray(strength, dtype=float), self._n)
+            if not (np.isfinite(factors) & (factors > 0.0)).all():
+                raise StateError(f"The strength is {strength}: expected positive numbers.")
+            muscles = self.arm.muscle_table.copy()
+            muscles["max_isometric_force"] *= factors
+            context.get_mutable_abstract_parameter(self._muscles).set_value(muscles)
+
+        def _tables(self, context: Context):
+            """The tables of the muscles and of their paths that compiled functions take."""
+            return context.get_abstract_parameter(self._muscles).get_value(), self.arm.path_table
+
         def _settle(self, context: Context, state: State) -> EventStatus:
             """Brings the muscles into equilibrium with the joints if they are still in their default state."""
             default = self._default if self.time_step > 0.0 else self._default[: 2 * self._n]
@@ -189,17 +208,19 @@ def HillMuscles_(T):
             state = self._state(context)
             return state[: 2 * self._n] if self.time_step > 0.0 else state
 
-        def _differentiate(self, fibers, excitation, arm_state, rows):
+        def _differentiate(self, context, fibers, excitation, arm_state, rows):
             """Rows of `linearize_muscles` as AutoDiffXd: gradient = its Jacobian times the gradients of the inputs."""
             inputs = [ExtractValue(x).ravel() for x in (fibers, excitation, arm_state)]
-            value, jacobian = linearize_muscles(*inputs, *self._tables)
+            value, jacobian = linearize_muscles(*inputs, *self._tables(context))
             gradient = ExtractGradient(np.concatenate([fibers, excitation, arm_state]))
             return InitializeAutoDiff(value[rows], jacobian[rows] @ gradient).ravel()
 
         def _differentiate_output(self, context, rows):
             """`_differentiate` for outputs that do not depend on the excitation."""
             no_excitation = np.array([AutoDiffXd(0.0)] * self._n)
-            return self._differentiate(self._fibers(context), no_excitation, self._arm_state.Eval(context), rows)
+            return self._differentiate(
+                context, self._fibers(context), no_excitation, self._arm_state.Eval(context), rows
+            )
 
         def _step(self, context: Context, state: DiscreteValues):
             if T is not float:
@@ -212,13 +233,13 @@ def HillMuscles_(T):
                 excitation,
                 arm_state,
                 self.time_step,
-                *self._tables,
+                *self._tables(context),
             ):
                 self._require_sound_inputs(excitation, arm_state)
 
         def _calc_generalized_force(self, context: Context, output: BasicVector_[T]):
             if T is float:
-                _, tau = tendon_forces(self._fibers(context), self._arm_state.Eval(context), *self._tables)
+                _, tau = tendon_forces(self._fibers(context), self._arm_state.Eval(context), *self._tables(context))
             else:
                 tau = self._differentiate_output(context, slice(4 * self._n, None))
             output.SetFromVector(tau)
@@ -239,7 +260,7 @@ def HillMuscles_(T):
             if T is float:
                 no_excitation = np.zeros(n)
                 fibers, arm_state = self._fibers(context), self._arm_state.Eval(context)
-                return muscle_rates(fibers, no_excitation, arm_state, *self._tables)[n:]
+                return muscle_rates(fibers, no_excitation, arm_state, *self._tables(context))[n:]
             return self._differentiate_output(context, slice(n, 2 * n))
 
         def _calc_tendon_force(self, context: Context, output: BasicVector_[T]):
@@ -247,19 +268,19 @@ def HillMuscles_(T):
 
         def _tendon_force(self, context):
             if T is float:
-                return tendon_forces(self._fibers(context), self._arm_state.Eval(context), *self._tables)[0]
+                return tendon_forces(self._fibers(context), self._arm_state.Eval(context), *self._tables(context))[0]
             return self._differentiate_output(context, slice(2 * self._n, 3 * self._n))
 
         def _calc_mtu_length(self, context: Context, output: BasicVector_[T]):
             if T is float:
-                length, _ = muscle_geometry(self._arm_state.Eval(context)[: self._n_q], *self._tables)
+                length, _ = muscle_geometry(self._arm_state.Eval(context)[: self._n_q], *self._tables(context))
             else:
                 length = self._differentiate_output(context, slice(3 * self._n, 4 * self._n))
             output.SetFromVector(length)
 
         def _calc_joint_moment(self, context: Context, output: BasicVector_[T]):
             self._require_float("joint_moment")
-            _, moment_arm = muscle_geometry(self._arm_state.Eval(context)[: self._n_q], *self._tables)
+            _, moment_arm = muscle_geometry(self._arm_state.Eval(context)[: self._n_q], *self._tables(context))
             output.SetFromVector((moment_arm * self._tendon_force(context)[:, None]).ravel())
 
         def _make_calc_report(self, row, name):
@@ -268,7 +289,7 @@ def HillMuscles_(T):
                 metabolic = name == "metabolic_power"
                 excitation = self._excitation.Eval(context) if metabolic else np.zeros(self._n)
                 velocity, arm_state = self._fiber_velocity(context), self._arm_state.Eval(context)
-                report = muscle_report(self._fibers(context), velocity, excitation, arm_state, *self._tables)
+                report = muscle_report(self._fibers(context), velocity, excitation, arm_state, *self._tables(context))
                 output.SetFromVector(report[row])
 
             return calc
@@ -283,9 +304,9 @@ def HillMuscles_(T):
             arm_state = self._arm_state.Eval(context)
             if T is float:
                 self._require_sound_inputs(excitation, arm_state)
-                rates = muscle_rates(fibers, excitation, arm_state, *self._tables)
+                rates = muscle_rates(fibers, excitation, arm_state, *self._tables(context))
             else:
-                rates = self._differentiate(fibers, excitation, arm_state, slice(0, 2 * self._n))
+                rates = self._differentiate(context, fibers, excitation, arm_state, slice(0, 2 * self._n))
             derivatives.SetFromVector(rates)
 
     return Impl

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from functools import lru_cache, partial
 from pathlib import Path
 
+import numpy as np
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
+from pydrake.systems.framework import Context
 
 from drakearm.diagrams import MakeTrackingTask
 from drakearm.experiments.choices import EnvKind
@@ -13,7 +15,7 @@ from drakearm.learning import ArmVectorEnv, DiagramEnv
 from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.planning import plan
-from drakearm.task import TrackingTask
+from drakearm.task import TrackingTask, check_interchangeable
 
 
 def make_env(scenario: str | Path, reference: Reference | None = None) -> DiagramEnv:
@@ -91,11 +93,23 @@ def scenario_task(scenario: str | Path, reference: Reference | None = None) -> T
     return load_scenario(scenario).task(reference or _planned(scenario))
 
 
-def make_task_env(task: TrackingTask) -> DiagramEnv:
-    """The environment of a task. An episode lasts until the end of the reference."""
-    diagram, systems = MakeTrackingTask(task)
-    episode_steps = len(task.reference.t) - 1
-    return DiagramEnv(diagram, systems.Reset, control_step=CONTROL_STEP, episode_steps=episode_steps)
+def make_task_env(task: TrackingTask | Sequence[TrackingTask]) -> DiagramEnv:
+    """The environment of a task, or of several, of which each reset draws one. An episode lasts as long as its plan.
+
+    Several tasks must have the same arm, senses, lookahead and reward. Raises TaskError if they do not.
+    """
+    tasks = [task] if isinstance(task, TrackingTask) else list(task)
+    check_interchangeable(tasks)
+    several = len(tasks) > 1
+    diagram, systems = MakeTrackingTask(tasks[0], varies=True if several else None)
+
+    def reset(context: Context, rng: np.random.Generator) -> None:
+        systems.Reset(context, rng, tasks[rng.integers(len(tasks))] if several else None)
+
+    def episode_steps(context: Context) -> int:
+        return len(systems.reference.Reference(context).t) - 1
+
+    return DiagramEnv(diagram, reset, control_step=CONTROL_STEP, episode_steps=episode_steps)
 
 
 def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:

@@ -7,25 +7,29 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
-from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
 from drakearm.learning.checkpoint import generator_state, restored_generator
 from drakearm.learning.compiled_arm import CompiledArms
-from drakearm.model import MakeTorqueArm
-from drakearm.model.dynamics_table import read_dynamics
+from drakearm.learning.past_signals import PastSignals
+from drakearm.model import Arm, MakeTorqueArm
+from drakearm.model.dynamics_table import DynamicsTable
+from drakearm.model.loaded_dynamics import LoadedDynamics
 from drakearm.model.musculature import resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
-from drakearm.task import Reward, TrackingTask
+from drakearm.task import Reward, TrackingTask, signal_size
+from drakearm.task.episode import LONGEST_STEPS
+from drakearm.task.signals import OF_BODY, RECENT
 
 
 class ArmVectorEnv(VectorEnv):
     """Many environments in one object. Each computes the same as a `DiagramEnv` of its task, up to rounding errors.
 
-    tasks: one task, or several that are assigned round-robin: arm i has task i % len(tasks), with the reference, load,
-    start and reward of this task. Muscles, coordinates, joint ranges, senses and lookahead must be the same in all
-    tasks; if they are not, a TrainingError names what differs.
+    tasks: one task, or several. Muscles, coordinates, joint ranges, senses and lookahead must be the same in all tasks;
+    if they are not, a TrainingError names what differs. The tasks are assigned round-robin: arm i has task
+    i % len(tasks), with the reference, load, start, reward and randomization of this task. With redraw, each arm draws
+    another one of the tasks at every reset, with equal chances.
 
     Spaces, rewards and info are those of `DiagramEnv`. An environment is reset in the same step in which its episode
     ends (AutoresetMode.SAME_STEP). This step returns the first observation of the next episode. The last observation of
@@ -35,47 +39,55 @@ class ArmVectorEnv(VectorEnv):
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
-    def __init__(self, tasks: TrackingTask | Sequence[TrackingTask], num_envs: int):
+    def __init__(self, tasks: TrackingTask | Sequence[TrackingTask], num_envs: int, *, redraw: bool = False):
         tasks = [tasks] if isinstance(tasks, TrackingTask) else list(tasks)
-        if not 1 <= len(tasks) <= num_envs:
+        if not tasks or not (redraw or len(tasks) <= num_envs):
             raise TrainingError(
                 f"There are {len(tasks)} tasks for {num_envs} arms: expected at least one arm for each task."
             )
-        plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
-        _check_alike(tasks, plants)
+        bodies = list(dict.fromkeys(task.arm for task in tasks))
+        self._lower, self._upper = _check_alike(tasks, bodies)
         arm = tasks[0].arm
         self._arm, self._observation = arm, tasks[0].observation
-        self._lower, self._upper = plants[0].GetPositionLowerLimits(), plants[0].GetPositionUpperLimits()
 
-        self.num_envs = num_envs
-        task_of_arm = np.arange(num_envs) % len(tasks)
-        self._task = [tasks[k] for k in task_of_arm]
-        skeletons = [read_dynamics(plant) for plant in plants]
-        self._arms = CompiledArms(arm, [skeletons[k] for k in task_of_arm], self._lower, self._upper)
-        self._rewards = _arms_by_reward([task.reward for task in tasks], task_of_arm)
-        # The samples of all references, one reference after the other. Arm i follows rows _first[i] to _last[i].
+        self.tasks, self.num_envs, self._redraw = tasks, num_envs, redraw
+        self.task_of_arm = np.arange(num_envs) % len(tasks)
+        self._body = np.array([bodies.index(task.arm) for task in tasks])
+        self._dynamics = LoadedDynamics(bodies)
+        self._load_mass = np.array([tasks[k].load_mass for k in self.task_of_arm])
+        self._arms = CompiledArms(arm, self.skeletons, num_envs, self._lower, self._upper)
+        self._distinct_rewards, self._reward_of_task = _distinct([task.reward for task in tasks])
+        # The samples of all references, one reference after the other. Task i has rows _first[i] to _last[i].
         self._reference = np.concatenate([task.reference.preview() for task in tasks])
         previews = [task.reference.preview(task.lookahead) for task in tasks]
         halves = np.hsplit(np.concatenate(previews), 2)
         self._preview_q, self._preview_v = (np.ascontiguousarray(half) for half in halves)
-        self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]), task_of_arm)
-        self._row = self._first.copy()
+        self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]))
+        self._row = self._first[self.task_of_arm]
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
-        self._excitation, self._acceleration = np.zeros((num_envs, n)), np.zeros((num_envs, n_q))
+        self._acceleration = np.zeros((num_envs, n_q))
+        self._recent = np.zeros((num_envs, RECENT, n))  # excitations, the latest first
+        self._strength, self._delay = np.ones((num_envs, n)), np.zeros(num_envs, dtype=int)
         self._signals: dict[str, Callable[[], np.ndarray]] = {
             "arm_state": lambda: self._arm_state,
             "arm_acceleration": lambda: self._acceleration,
             "reference": lambda: self._reference.take(self._row, axis=0),
             "preview_q": lambda: self._preview_q.take(self._row, axis=0),
             "preview_v": lambda: self._preview_v.take(self._row, axis=0),
-            "excitation": lambda: self._excitation,
+            "excitation": lambda: self._recent[:, 0],
+            "recent_excitation": lambda: self._recent.reshape(num_envs, -1),
             "activation": lambda: self._muscle_state[:, :n],
             "fiber_length": lambda: self._muscle_state[:, n : 2 * n],
             "fiber_velocity": lambda: self._muscle_state[:, 3 * n :],
             "tendon_force": self._tendon_force,
         }
+        late = any(task.senses_delay > 0.0 or task.randomization for task in tasks)
+        sizes = {name: signal_size(name, arm, tasks[0].lookahead) for name in self._observation.reads}
+        self._past = PastSignals(
+            {name: size for name, size in sizes.items() if name in OF_BODY}, num_envs, LONGEST_STEPS if late else 0
+        )
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
         self.single_action_space = Box(0.0, 1.0, (n,), np.float32)
         self.single_observation_space = Box(-np.inf, np.inf, (self._observation.size,), np.float32)
@@ -105,10 +117,11 @@ class ArmVectorEnv(VectorEnv):
             )
         self._acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
-        self._excitation = values
+        self._recent = np.concatenate([values[:, None], self._recent[:, :-1]], axis=1)
         self._row += 1
+        self._past.append(self._signals)
         reward = self._reward()
-        truncated = self._row == self._last
+        truncated = self._row == self._last[self.task_of_arm]
         info = self._info()
         observation = self._observe()
         if truncated.any():
@@ -124,8 +137,13 @@ class ArmVectorEnv(VectorEnv):
             "arm_state": self._arm_state,
             "muscle_state": self._muscle_state,
             "acceleration": self._acceleration,
-            "excitation": self._excitation,
+            "recent_excitation": self._recent,
             "row": self._row,
+            "task_of_arm": self.task_of_arm,
+            "load_mass": self._load_mass,
+            "strength": self._strength,
+            "delay": self._delay,
+            **self._past.state,
             "generators": np.array([generator_state(generator) for generator in self._generators]),
         }
 
@@ -133,44 +151,67 @@ class ArmVectorEnv(VectorEnv):
     def state(self, arrays: dict[str, np.ndarray]) -> None:
         self._arms.set_state(np.ones(self.num_envs, bool), arrays["arm_state"], arrays["muscle_state"])
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
-        self._acceleration, self._excitation = arrays["acceleration"].copy(), arrays["excitation"].copy()
-        self._row = arrays["row"].copy()
+        self._acceleration, self._recent = arrays["acceleration"].copy(), arrays["recent_excitation"].copy()
+        self._row, self.task_of_arm = arrays["row"].copy(), arrays["task_of_arm"].copy()
+        self._load_mass, self._strength = arrays["load_mass"].copy(), arrays["strength"].copy()
+        self._delay = arrays["delay"].copy()
+        self._past.state = arrays
+        self._arms.set_body(np.ones(self.num_envs, bool), self.skeletons, self._strength)
         self._generators = [restored_generator(state) for state in arrays["generators"]]
 
     @property
     def reference_step(self) -> np.ndarray:
         """The control step that each arm has reached on its reference, (N,), from 0."""
-        return self._row - self._first
+        return self._row - self._first[self.task_of_arm]
+
+    @property
+    def skeletons(self) -> DynamicsTable:
+        """The equations of motion of all arms with their present loads, stacked, see `stack_dynamics`."""
+        return self._dynamics.stacked(self._body[self.task_of_arm], self._load_mass)
 
     def _restart(self, which: np.ndarray) -> None:
-        arms = np.flatnonzero(which)
-        starts = [self._task[k].start(self._task[k].reference, self._generators[k]) for k in arms]
-        arm_state, activation = np.empty((len(starts), 2 * self._n_q)), np.empty((len(starts), self._n))
-        for k, start in enumerate(starts):
-            arm_state[k, : self._n_q], arm_state[k, self._n_q :], activation[k] = start.q, start.v, start.activation
-        q = arm_state[:, : self._n_q].clip(self._lower, self._upper)
-        arm_state[:, : self._n_q] = q
-        self._row[which] = self._first[which] + np.array([start.step for start in starts])
-        self._excitation[which] = 0.0
+        arms, n_q = np.flatnonzero(which), self._n_q
+        arm_state, activation = np.empty((len(arms), 2 * n_q)), np.empty((len(arms), self._n))
+        for i, k in enumerate(arms.tolist()):
+            if self._redraw:
+                self.task_of_arm[k] = self._generators[k].integers(len(self.tasks))
+            task = self.task_of_arm[k]
+            episode = self.tasks[task].episode(self._generators[k])
+            start = episode.start
+            arm_state[i, :n_q], arm_state[i, n_q:], activation[i] = start.q, start.v, start.activation
+            self._row[k] = self._first[task] + start.step
+            self._load_mass[k], self._strength[k] = episode.load_mass, episode.strength
+            self._delay[k] = episode.delay_steps
+        q = arm_state[:, :n_q].clip(self._lower, self._upper)
+        arm_state[:, :n_q] = q
+        self._recent[which] = 0.0
+        skeletons = self._dynamics.stacked(self._body[self.task_of_arm[arms]], self._load_mass[arms])
+        self._arms.set_body(which, skeletons, self._strength[arms])
         self._arms.set_state(which, arm_state, resting_states(self._arm, q, activation))
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
+        self._past.begin(which, self._signals)
 
     def _observe(self) -> np.ndarray:
-        signals = {name: self._signals[name]() for name in self._observation.reads}
-        return self._observation(signals).astype(np.float32)
+        late = self._past.delayed(self._delay)
+        reads = self._observation.reads
+        return self._observation({n: late.get(n) if n in late else self._signals[n]() for n in reads}).astype(
+            np.float32
+        )
 
     def _reward(self) -> np.ndarray:
-        if len(self._rewards) == 1:
-            reward, _ = self._rewards[0]
-            return reward(*(self._signals[name]() for name in reward.reads))
+        rewards, reward_of_arm = self._distinct_rewards, self._reward_of_task[self.task_of_arm]
+        if len(rewards) == 1:
+            return rewards[0](*(self._signals[name]() for name in rewards[0].reads))
         total = np.empty(self.num_envs)
-        for reward, arms in self._rewards:
+        for k, reward in enumerate(rewards):
+            arms = np.flatnonzero(reward_of_arm == k)
             total[arms] = reward(*(self._signals[name]()[arms] for name in reward.reads))
         return total
 
     def _tendon_force(self) -> np.ndarray:
         fibers = np.ascontiguousarray(self._muscle_state[:, : 2 * self._n])
-        return tendon_forces_of_arms(fibers, self._arm_state, self._arm.muscle_table, self._arm.path_table)
+        force = tendon_forces_of_arms(fibers, self._arm_state, self._arm.muscle_table, self._arm.path_table)
+        return self._strength * force
 
     def _info(self) -> dict[str, Any]:
         info = {
@@ -182,24 +223,34 @@ class ArmVectorEnv(VectorEnv):
         return info | {f"_{name}": everywhere for name in info}
 
 
-def _arms_by_reward(rewards: list[Reward], task_of_arm: np.ndarray) -> list[tuple[Reward, np.ndarray]]:
-    """Each distinct reward of the tasks, with the indices of the arms that have it."""
-    distinct = [reward for k, reward in enumerate(rewards) if reward not in rewards[:k]]
-    reward_of_task = np.array([distinct.index(reward) for reward in rewards])
-    return [(reward, np.flatnonzero(reward_of_task[task_of_arm] == k)) for k, reward in enumerate(distinct)]
+def _distinct(rewards: list[Reward]) -> tuple[list[Reward], np.ndarray]:
+    """The distinct rewards among those of the tasks, and for each task the index of its reward."""
+    distinct: list[Reward] = []
+    for reward in rewards:
+        if reward not in distinct:
+            distinct.append(reward)
+    return distinct, np.array([distinct.index(reward) for reward in rewards])
 
 
-def _check_alike(tasks: list[TrackingTask], plants: list[MultibodyPlant]) -> None:
-    """Raises TrainingError, which names what differs, if the tasks cannot share one compiled function."""
+def _check_alike(tasks: list[TrackingTask], bodies: list[Arm]) -> tuple[np.ndarray, np.ndarray]:
+    """The joint ranges, (n_q,) each, rad.
+
+    Raises TrainingError, which names what differs, if the tasks cannot share one compiled function.
+    """
+    plants = {arm: MakeTorqueArm(arm) for arm in bodies}
+    ranges = {
+        arm: (list(plant.GetPositionLowerLimits()), list(plant.GetPositionUpperLimits()))
+        for arm, plant in plants.items()
+    }
     alike = [
         {
             "muscles": task.arm.muscles,
             "coordinates": task.arm.coordinates,
             "senses": task.senses,
             "lookahead": task.lookahead,
-            "joint ranges": (list(plant.GetPositionLowerLimits()), list(plant.GetPositionUpperLimits())),
+            "joint ranges": ranges[task.arm],
         }
-        for task, plant in zip(tasks, plants, strict=True)
+        for task in tasks
     ]
     for i, other in enumerate(alike):
         different = [name for name in other if other[name] != alike[0][name]]
@@ -208,3 +259,5 @@ def _check_alike(tasks: list[TrackingTask], plants: list[MultibodyPlant]) -> Non
                 f"Task {i} differs from task 0 in its {' and '.join(different)}: "
                 "expected the same in all tasks of one vector environment."
             )
+    lower, upper = ranges[tasks[0].arm]
+    return np.array(lower), np.array(upper)

@@ -9,14 +9,13 @@ lane. So one vector instruction computes the same quantity of several arms.
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from drakearm.model import Arm
 from drakearm.model.dynamics import DynamicsLanes, forward_dynamics_lanes, make_dynamics_lanes
-from drakearm.model.dynamics_table import DynamicsTable, stack_dynamics
+from drakearm.model.dynamics_table import DynamicsTable
 from drakearm.model.joint_stops import STOP_DAMPING, STOP_STIFFNESS, joint_stop_torque
 from drakearm.model.muscle_lanes import MuscleLanes, make_muscle_lanes, muscle_kinds, step_muscle_lanes
 from drakearm.muscle.compiled import compiled, fma
@@ -36,6 +35,7 @@ class ArmTables(NamedTuple):
     """The constants of the arms that the compiled step reads."""
 
     muscles: np.ndarray  # `Arm.muscle_table`
+    strength: np.ndarray  # (blocks, n, lanes), factors of the maximum isometric forces in each arm
     paths: np.ndarray  # `Arm.path_table`
     kinds: tuple  # the fields of `MuscleKinds`, as a plain tuple: Numba can pass only such a one on as arguments
     dynamics: DynamicsTable  # every term that at least one of the skeletons has
@@ -60,20 +60,21 @@ class Work(NamedTuple):
 class CompiledArms:
     """The states of N arms, and `step`, which advances them. All have the same muscles; each has its own skeleton.
 
+    dynamics: the stacked table of the skeletons, see `stack_dynamics`. count: N.
     lower, upper: (n_q,), rad, the ends of the joints' ranges. The stops there are as stiff and as damped as the default
     ones of `JointStops`.
     """
 
-    def __init__(self, arm: Arm, skeletons: Sequence[DynamicsTable], lower: np.ndarray, upper: np.ndarray):
-        count, n, n_q = len(skeletons), len(arm.muscles), len(arm.coordinates)
+    def __init__(self, arm: Arm, dynamics: DynamicsTable, count: int, lower: np.ndarray, upper: np.ndarray):
+        n, n_q = len(arm.muscles), len(arm.coordinates)
         blocks = math.ceil(count / LANES)
         lanes = math.ceil(count / blocks)
         # The arm in each lane, (blocks, lanes). The lanes that are left over repeat the last arm.
         self._arm = np.minimum(np.arange(blocks * lanes), count - 1).reshape(blocks, lanes)
         self._count = count
-        dynamics = stack_dynamics(skeletons)
         self._tables = ArmTables(
             arm.muscle_table,
+            np.ones((blocks, n, lanes)),
             arm.path_table,
             tuple(muscle_kinds(arm.muscle_table)),
             dynamics,
@@ -103,12 +104,25 @@ class CompiledArms:
         """A copy of the states (N, 4 n) of `muscle_step`."""
         return self._from_lanes(self._lanes.muscle_state)
 
+    def set_body(self, which: np.ndarray, skeletons: DynamicsTable, strength: np.ndarray) -> None:
+        """Gives some arms, as many as `which` (N,), bool, selects, other skeletons and muscles of other strength.
+
+        skeletons: their stacked tables, which must have the terms of the first skeletons. strength: (arms, n), factors
+        of the maximum isometric forces.
+        """
+        count = len(strength)
+        mass, gravity = skeletons.mass_coefficient.reshape(count, -1), skeletons.gravity_coefficient.reshape(count, -1)
+        for lanes, arms in (
+            (self._tables.mass_coefficient, mass),
+            (self._tables.gravity_coefficient, gravity),
+            (self._tables.strength, strength),
+        ):
+            self._set(lanes, which, arms)
+
     def set_state(self, which: np.ndarray, arm_state: np.ndarray, muscle_state: np.ndarray) -> None:
         """Sets the states of some arms. which: (N,), bool, selects them; the states have one row for each of them."""
-        row = (np.cumsum(which) - 1)[self._arm]
-        chosen = which[self._arm]
-        self._lanes.arm_state.swapaxes(1, 2)[chosen] = arm_state[row[chosen]]
-        self._lanes.muscle_state.swapaxes(1, 2)[chosen] = muscle_state[row[chosen]]
+        self._set(self._lanes.arm_state, which, arm_state)
+        self._set(self._lanes.muscle_state, which, muscle_state)
 
     def step(self, excitation: np.ndarray, steps: int, time_step: float) -> np.ndarray:
         """Advances all arms by a number of time steps (s each) with constant excitations (N, n).
@@ -117,6 +131,11 @@ class CompiledArms:
         """
         step_arms(self._lanes, self._to_lanes(excitation), steps, time_step, self._tables, self._work)
         return self._from_lanes(self._lanes.acceleration)
+
+    def _set(self, lanes: np.ndarray, which: np.ndarray, arms: np.ndarray) -> None:
+        """Copies rows of `arms`, one for each arm that `which` selects, into an array (blocks, size, lanes)."""
+        row, chosen = (np.cumsum(which) - 1)[self._arm], which[self._arm]
+        lanes.swapaxes(1, 2)[chosen] = arms[row[chosen]]
 
     def _to_lanes(self, arms: np.ndarray) -> np.ndarray:
         """Converts an array with one row per arm (N, size) to (blocks, size, lanes)."""
@@ -133,17 +152,29 @@ def step_arms(state, excitation, steps, time_step, tables, work):
 
     state: an `ArmLanes`. tables: an `ArmTables`. work: a `Work`. Times in s.
     """
-    muscles, paths, kinds, dynamics, mass_coefficient, gravity_coefficient, lower, upper, stiffness, damping = tables
+    (
+        muscles,
+        strength,
+        paths,
+        kinds,
+        dynamics,
+        mass_coefficient,
+        gravity_coefficient,
+        lower,
+        upper,
+        stiffness,
+        damping,
+    ) = tables
     muscle_work, dynamics_work, tau, later_x, later_a = work
     blocks, n_q, lanes = state.acceleration.shape
     for block in range(blocks):
         x, a, u = state.arm_state[block], state.acceleration[block], excitation[block]
-        muscle_state = state.muscle_state[block]
+        muscle_state, strong = state.muscle_state[block], strength[block]
         mass, gravity = mass_coefficient[block], gravity_coefficient[block]
         for half in range(2 * steps + 1):  # a step needs two accelerations; one more, at the end, stays in `state`
             starts = half % 2 == 0
             if starts and half < 2 * steps:
-                step_muscle_lanes(muscle_state, tau, u, x, time_step, muscles, paths, muscle_work, *kinds)
+                step_muscle_lanes(muscle_state, tau, u, x, time_step, muscles, strong, paths, muscle_work, *kinds)
                 for j in range(n_q):
                     for k in range(lanes):
                         q = fma(0.5 * time_step, x[n_q + j, k], x[j, k])

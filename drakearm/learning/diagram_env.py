@@ -27,8 +27,8 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     The values of all other output ports are in `info`, as float64 arrays under the names of the ports. An action is
     held for one control step; observation, reward and info are those at the end of the step. An episode is truncated
-    when the simulated time reaches `episode_steps` control steps. It is terminated when a system of the Diagram reports
-    EventStatus::ReachedTermination.
+    when the simulated time reaches `episode_steps` control steps: a number, or a function of the root context. It is
+    terminated when a system of the Diagram reports EventStatus::ReachedTermination.
 
     reset: a function that sets the start state in a root context. It draws random numbers only from the generator that
     it is given, so that the seed given to the method `reset` determines the episode. It may also set the time to a
@@ -38,7 +38,14 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)
 
-    def __init__(self, diagram: Diagram, reset: Reset, *, control_step: float, episode_steps: int):
+    def __init__(
+        self,
+        diagram: Diagram,
+        reset: Reset,
+        *,
+        control_step: float,
+        episode_steps: int | Callable[[Context], int],
+    ):
         self._diagram = diagram
         self._reset = reset
         self._control_step = control_step
@@ -82,7 +89,11 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         terminated = status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition
         observation, info = self._observe()
         reward = float(self._reward.Eval(self._context)[0])
-        return observation, reward, terminated, self._steps >= self._episode_steps, info
+        return observation, reward, terminated, self._steps >= self._length(), info
+
+    def _length(self) -> int:
+        """Of an episode, in control steps from time 0."""
+        return self._episode_steps(self._context) if callable(self._episode_steps) else self._episode_steps
 
     @property
     def state(self) -> dict[str, np.ndarray]:

@@ -5,12 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drakearm.model import MakeTorqueArm
+from drakearm.learning.arm_vector_env import ArmVectorEnv
 from drakearm.model.feedback import Feedback
+from drakearm.model.muscle_control import excitations_for
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
-from drakearm.model.skeleton import inverse_dynamics
-from drakearm.model.static_optimization import acceleration_weighting, excitations_to_reach, static_activations
-from drakearm.task import TrackingTask
 
 FEEDBACK = Feedback(stiffness=400.0, damping=40.0)  # a stiffer expert is harder to imitate
 
@@ -31,15 +29,14 @@ class StaticExpert:
     reference, which `rehearse` finds.
     """
 
-    def __init__(self, tasks: Sequence[TrackingTask], num_envs: int, aims: Sequence[Aim] | None = None) -> None:
-        """Arm i has task i % len(tasks), as in `ArmVectorEnv`. aims: one per task, by default the references."""
-        self._task_of_arm = np.arange(num_envs) % len(tasks)
+    def __init__(self, envs: ArmVectorEnv, aims: Sequence[Aim] | None = None) -> None:
+        """aims: one per task of the environments, by default the references."""
+        self._envs = envs
+        tasks = envs.tasks
         self.aims = aims or [Aim(task.reference.q, task.reference.v, task.reference.a) for task in tasks]
-        plants = [MakeTorqueArm(task.arm, task.load_mass) for task in tasks]
-        self._skeletons = [(plant, plant.CreateDefaultContext()) for plant in plants]
-        self._priorities = [task.reward.priority(task.arm) for task in tasks]
+        self._priority = np.array([task.reward.priority(task.arm) for task in tasks])
         self._muscles, self._paths = tasks[0].arm.muscle_table, tasks[0].arm.path_table
-        self._activation = np.full((num_envs, len(self._muscles)), 0.1)  # the latest solution, the next guess
+        self._activation = np.full((envs.num_envs, len(self._muscles)), 0.1)  # the latest solution, the next guess
 
     @property
     def aims(self) -> Sequence[Aim]:
@@ -49,27 +46,30 @@ class StaticExpert:
     @aims.setter
     def aims(self, aims: Sequence[Aim]) -> None:
         self._aims = aims
-        self._samples = np.concatenate([np.hstack(aim) for aim in aims])  # arm i follows rows _first[i] to _last[i]
-        self._first, self._last = sample_ranges(np.array([len(aim.q) for aim in aims]), self._task_of_arm)
+        self._samples = np.concatenate([np.hstack(aim) for aim in aims])  # task i has rows _first[i] to _last[i]
+        self._first, self._last = sample_ranges(np.array([len(aim.q) for aim in aims]))
 
-    def act(self, arm_state: np.ndarray, activation: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    def act(self, arm_state: np.ndarray, activation: np.ndarray) -> np.ndarray:
         """The excitations (N, n) for the next control step.
 
-        arm_state: (N, 2 n_q), q in rad and v in rad/s. activation: (N, n). steps: (N,), the control step that each arm
-        has reached on its reference, from 0.
+        arm_state: (N, 2 n_q), q in rad and v in rad/s. activation: (N, n). The environments tell the expert which
+        movement each arm makes, how far it has come, and which load it carries, but not how strong its muscles are.
         """
+        task = self._envs.task_of_arm
+        rows = np.minimum(self._first[task] + self._envs.reference_step + 1, self._last[task])
         q, v = np.hsplit(arm_state, 2)
         q = q + CONTROL_STEP * v
-        a = FEEDBACK.acceleration(q, v, self._samples[np.minimum(self._first + steps + 1, self._last)])
-        forecast = np.hstack([q, v])
-        excitation = np.empty_like(activation)
-        for k, task in enumerate(self._task_of_arm):
-            plant, context = self._skeletons[task]
-            plant.SetPositionsAndVelocities(context, forecast[k])
-            tau = inverse_dynamics(plant, context, a[k])
-            weighting = acceleration_weighting(plant.CalcMassMatrix(context), self._priorities[task])
-            self._activation[k], _ = static_activations(
-                q[k], v[k], tau, self._activation[k], weighting, self._muscles, self._paths
-            )
-            excitation[k] = excitations_to_reach(self._activation[k], activation[k], CONTROL_STEP, self._muscles)
+        a = FEEDBACK.acceleration(q, v, self._samples[rows])
+        excitation: np.ndarray = excitations_for(
+            q,
+            np.ascontiguousarray(v),
+            a,
+            np.ascontiguousarray(activation),
+            self._activation,
+            self._priority[task],
+            CONTROL_STEP,
+            self._muscles,
+            self._paths,
+            self._envs.skeletons,
+        )
         return excitation

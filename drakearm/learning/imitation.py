@@ -19,7 +19,6 @@ from drakearm.learning.policy import Actor
 from drakearm.learning.rehearsal import rehearse
 from drakearm.task import TrackingTask
 
-ARMS = 64
 EPOCHS = 20  # per round, over the samples of all rounds so far
 MINIBATCH = 600  # samples
 LEARNING_RATE = 2e-3  # at the start of every round, in which it falls linearly towards a tenth
@@ -32,15 +31,16 @@ def imitate(
     rounds: int,
     seed: int,
     on_round: Callable[[int], None] | None = None,
+    arms: int = 64,
 ) -> InputScaling:
     """Trains an actor in place. The same seed gives the same weights. Returns the scaling of the actor's inputs.
 
-    tasks: assigned to the arms round-robin, as in `ArmVectorEnv`. The expert rehearses them. It moves the arms in the
-    first round, and the actor in later rounds. The observations of the first round give the scaling. on_round: called
-    after each round with its number, from 1.
+    tasks: assigned to the arms round-robin, or drawn if there are more of them than arms, as in `ArmVectorEnv`. The
+    expert rehearses them. It moves the arms in the first round, and the actor in later rounds. The observations of the
+    first round give the scaling. on_round: called after each round with its number, from 1.
     """
-    arms = max(ARMS, len(tasks))
-    envs, expert = ArmVectorEnv(tasks, arms), StaticExpert(tasks, arms, rehearse(tasks))
+    envs = ArmVectorEnv(tasks, arms, redraw=len(tasks) > arms)
+    expert = StaticExpert(envs, rehearse(tasks))
     scaling = InputScaling.none(tasks[0].observation.size)
     learner = Learner(actor, max_grad_norm=1.0)
     generator = torch.Generator().manual_seed(seed)
@@ -69,7 +69,7 @@ def _collect(
     observations, excitations = [], []
     moving = np.ones(envs.num_envs, dtype=bool)
     while moving.any():
-        desired = expert.act(info["arm_state"], info["activation"], envs.reference_step)
+        desired = expert.act(info["arm_state"], info["activation"])
         inputs = torch.tensor(scaling(observation))  # a copy, in memory that torch aligns
         observations.append(inputs[moving])
         excitations.append(torch.tensor(desired[moving], dtype=torch.float32))

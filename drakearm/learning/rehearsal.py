@@ -33,8 +33,9 @@ class _WithoutNoise(Start):
 
 def rehearse(tasks: Sequence[TrackingTask]) -> list[Aim]:
     """What the expert aims at in each task: of all repetitions, the aim that brought the largest sum of rewards."""
-    tasks = [replace(task, start=_WithoutNoise(task.start)) for task in tasks]
-    envs, expert = ArmVectorEnv(tasks, len(tasks)), StaticExpert(tasks, len(tasks))
+    tasks = [replace(task, start=_WithoutNoise(task.start), randomization=()) for task in tasks]
+    envs = ArmVectorEnv(tasks, len(tasks))
+    expert = StaticExpert(envs)
     best, most = [*expert.aims], np.full(len(tasks), -np.inf)
     corrections = [np.zeros_like(task.reference.q) for task in tasks]
     for _ in range(REPETITIONS):
@@ -56,7 +57,7 @@ def _repeat(envs: ArmVectorEnv, expert: StaticExpert) -> tuple[list[np.ndarray],
     returns, moving = np.zeros(envs.num_envs), np.ones(envs.num_envs, dtype=bool)
     while moving.any():
         step = envs.reference_step
-        _, reward, _, truncated, info = envs.step(expert.act(info["arm_state"], info["activation"], step))
+        _, reward, _, truncated, info = envs.step(expert.act(info["arm_state"], info["activation"]))
         returns += reward * moving
         for k in np.flatnonzero(moving):
             errors[k][step[k] + 1] = info["tracking_error"][k]

@@ -28,6 +28,25 @@ def make_dynamics_lanes(dynamics: DynamicsTable, n_q: int, lanes: int) -> Dynami
 _make_dynamics_lanes = inner(make_dynamics_lanes)
 
 
+@inner
+def equations_of_motion(q, v, dynamics, mass_coefficient, gravity_coefficient):
+    """M (n_q, n_q) and h (n_q,) in M a = tau + h, at angles q and speeds v, SI: h is gravity minus Coriolis torques.
+
+    mass_coefficient (K,), gravity_coefficient (G,): of the skeleton, for the terms of the table.
+    """
+    n_q = len(q)
+    state, h, mass = np.empty((2 * n_q, 1)), np.zeros(n_q), np.empty((n_q, n_q))
+    for j in range(n_q):
+        state[j, 0], state[n_q + j, 0] = q[j], v[j]
+    work = _make_dynamics_lanes(dynamics, n_q, 1)
+    terms = mass_coefficient.reshape(-1, 1), gravity_coefficient.reshape(-1, 1)
+    equations_lanes(state, h.reshape(-1, 1), dynamics, terms[0], terms[1], work)
+    for row in range(n_q):
+        for column in range(row, n_q):
+            mass[row, column] = mass[column, row] = work.mass[n_q * row + column, 0]
+    return mass, h
+
+
 @compiled
 def forward_dynamics(q, v, tau, dynamics):
     """Joint accelerations (n_q,) at angles q, speeds v and applied torques tau, SI: M a = tau + gravity - Coriolis."""
@@ -46,7 +65,18 @@ def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coe
     """`forward_dynamics` for many skeletons, one per lane. force (n_q, lanes): torques, replaced by the accelerations.
 
     state: q and v, (2 n_q, lanes). mass_coefficient (K, lanes), gravity_coefficient (G, lanes): of each skeleton. work:
-    see `make_dynamics_lanes`. `DynamicsTable` explains the products, the factors and the slopes.
+    see `make_dynamics_lanes`.
+    """
+    equations_lanes(state, force, dynamics, mass_coefficient, gravity_coefficient, work)
+    _solve_lanes(work.mass, force)
+
+
+@inner
+def equations_lanes(state, force, dynamics, mass_coefficient, gravity_coefficient, work):
+    """Adds gravity minus Coriolis torques to force (n_q, lanes), and writes the mass matrices into work.mass.
+
+    The arguments are those of `forward_dynamics_lanes`. Only the upper triangles of the mass matrices are written.
+    `DynamicsTable` explains the products, the factors and the slopes.
     """
     product, speed, mass, slope = work
     n_q, lanes = force.shape
@@ -81,7 +111,6 @@ def forward_dynamics_lanes(state, force, dynamics, mass_coefficient, gravity_coe
         if column != row:
             _add_product(force, column, -1.0, slope, s, speed, n_q * i + row)
         _add_product(force, i, 1.0 if column != row else 0.5, slope, s, speed, n_q * row + column)
-    _solve_lanes(mass, force)
 
 
 @inner

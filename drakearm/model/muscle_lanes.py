@@ -111,13 +111,15 @@ def _step_rigid(state, excitation, i, n, time_step, work, m):
 @names_every_model
 @inner
 def step_muscle_lanes(
-    state, tau, excitation, arm_state, time_step, muscles, paths, work, thelen2003, degroote2016, rigid
+    state, tau, excitation, arm_state, time_step, muscles, strength, paths, work, thelen2003, degroote2016, rigid
 ):
     """`musculature.muscle_step` for several arms: every array has the lane as a second index.
 
-    state: (4 n, lanes). tau: (n_q, lanes). excitation: (n, lanes). arm_state: (2 n_q, lanes). work: see
-    `make_muscle_lanes`. thelen2003, degroote2016, rigid: the fields of `MuscleKinds`. They are separate arguments
-    because Numba leaves out the code for an argument that is None, but not the code for a field that is None.
+    state: (4 n, lanes). tau: (n_q, lanes). excitation: (n, lanes). arm_state: (2 n_q, lanes). strength: (n, lanes),
+    factors of the maximum isometric forces in `muscles`. Tendons are as much stiffer, so the fibers move as without the
+    factors, and only the torques grow. work: see `make_muscle_lanes`. thelen2003, degroote2016, rigid: the fields of
+    `MuscleKinds`. They are separate arguments because Numba leaves out the code for an argument that is None, but not
+    the code for a field that is None.
     """
     n, (n_q, lanes) = len(muscles), tau.shape
     for j in range(n_q):
@@ -146,7 +148,7 @@ def step_muscle_lanes(
         i, j = int(paths[header, 0]), int(paths[header, 1])
         for k in range(lanes):
             twice = fma(slope[term, k], force[i, k], later_slope[term, k] * later_force[i, k])
-            tau[j, k] = fma(-0.5, twice, tau[j, k])
+            tau[j, k] = fma(-0.5 * strength[i, k], twice, tau[j, k])
         header += 1 + int(paths[header, 2])
         term += 1
 

@@ -83,10 +83,10 @@ def time_problem(t: np.ndarray, start: float) -> str | None:
     return None
 
 
-def sample_ranges(lengths: np.ndarray, task_of_arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First and last row (N,) of each arm's reference, in an array of all references, one below the other.
+def sample_ranges(lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First and last row (N,) of each reference in an array of all references, one below the other.
 
-    lengths: number of samples of each reference. task_of_arm (N,): index of each arm's reference.
+    lengths: number of samples of each reference.
     """
-    last = np.cumsum(lengths)[task_of_arm] - 1
-    return last - lengths[task_of_arm] + 1, last
+    last = np.cumsum(lengths) - 1
+    return last - lengths + 1, last

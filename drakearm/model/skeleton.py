@@ -17,11 +17,23 @@ _IRON = 7870.0  # kg/m^3
 _LOAD_COLOR = np.array([0.25, 0.27, 0.30, 1.0])
 
 
-def add_skeleton(plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0) -> ModelInstanceIndex:
+def load_inertia(mass: float) -> SpatialInertia:
+    """The inertia of a load of this mass (kg), which is a ball of iron, about its center."""
+    return SpatialInertia.SolidSphereWithMass(mass, _radius(mass)) if mass > 0.0 else SpatialInertia.Zero()
+
+
+def _radius(mass: float) -> float:
+    return (3.0 * mass / (4.0 * math.pi * _IRON)) ** (1.0 / 3.0)
+
+
+def add_skeleton(
+    plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0, *, variable_load: bool = False
+) -> ModelInstanceIndex:
     """Parses the arm's skeleton into a plant that is not finalized yet and sets the arm's gravity.
 
-    load_mass: kg, of an iron ball that is centered on the arm's load frame and welded to it, as body "load". The plant
-    has the skeleton's joint limits, but a continuous plant does not enforce them (see `JointStops`). Raises ArmError
+    load_mass: kg, of an iron ball that is centered on the arm's load frame and welded to it, as body "load".
+    variable_load: whether the plant has this body even without a mass, so that a context can give it one. The plant has
+    the skeleton's joint limits, but a continuous plant does not enforce them (see `JointStops`). Raises ArmError
     where the skeleton is damaged, lacks a joint, frame or body that the arm names, or cannot be moved by joint torques.
     """
     if not (math.isfinite(load_mass) and load_mass >= 0.0):
@@ -29,13 +41,11 @@ def add_skeleton(plant: MultibodyPlant, arm: Arm, load_mass: float = 0.0) -> Mod
     check_skeleton(arm)
     model = parse_skeleton(plant, arm)
     plant.mutable_gravity_field().set_gravity_vector(np.array(arm.gravity))
-    if load_mass > 0.0:
-        radius = (3.0 * load_mass / (4.0 * math.pi * _IRON)) ** (1.0 / 3.0)
-        inertia = SpatialInertia.SolidSphereWithMass(load_mass, radius)
-        load = plant.AddRigidBody(LOAD, model, inertia)
+    if load_mass > 0.0 or variable_load:
+        load = plant.AddRigidBody(LOAD, model, load_inertia(load_mass))
         plant.WeldFrames(plant.GetFrameByName(arm.load_frame, model), load.body_frame())
-        if plant.geometry_source_is_registered():
-            plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(radius), LOAD, _LOAD_COLOR)
+        if load_mass > 0.0 and plant.geometry_source_is_registered():
+            plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(_radius(load_mass)), LOAD, _LOAD_COLOR)
     return model
 
 

@@ -1,17 +1,24 @@
 """The task: what an arm follows, what its controller senses, how it is rewarded, and how an episode starts."""
 
+from drakearm.task.episode import Episode, RandomDelay, Randomization, RandomLoad, RandomStart, RandomStrength
 from drakearm.task.rewards import Reward, RewardWeights
 from drakearm.task.senses import OBSERVATIONS, SENSES, Observation, Sense, observation_set
 from drakearm.task.signals import SIGNALS, signal_size
 from drakearm.task.starts import ReferenceStart, Start, StartState
-from drakearm.task.tracking_task import LOOKAHEAD, TrackingTask
+from drakearm.task.tracking_task import LOOKAHEAD, TrackingTask, check_interchangeable
 
 __all__ = [
     "LOOKAHEAD",
     "OBSERVATIONS",
     "SENSES",
     "SIGNALS",
+    "Episode",
     "Observation",
+    "RandomDelay",
+    "RandomLoad",
+    "RandomStart",
+    "RandomStrength",
+    "Randomization",
     "ReferenceStart",
     "Reward",
     "RewardWeights",
@@ -19,6 +26,7 @@ __all__ = [
     "Start",
     "StartState",
     "TrackingTask",
+    "check_interchangeable",
     "observation_set",
     "signal_size",
 ]

@@ -69,26 +69,36 @@ SENSES = (  # in the order of the observation. The set "paper" is the observatio
     Sense(
         "fiber_length",
         scale=_per_optimal_length,
-        sets=("paper", "full"),
+        sets=("paper", "full", "general"),
         meaning="fiber lengths divided by optimal fiber lengths",
     ),
     Sense(
         "fiber_velocity",
         scale=_per_largest_velocity,
-        sets=("paper", "full"),
+        sets=("paper", "full", "general"),
         meaning="fiber velocities (positive if the fiber lengthens) divided by maximum contraction velocities",
     ),
-    Sense("activation", sets=("full",), meaning="activations"),
-    Sense("arm_state", scale=_angles_and_speeds, sets=("full",), meaning="q in rad, then 0.1 s/rad times v"),
-    Sense("preview_q", sets=("full",), meaning="desired q in rad at each time of the lookahead"),
+    Sense("activation", sets=("full", "general"), meaning="activations"),
+    Sense("arm_state", scale=_angles_and_speeds, sets=("full", "general"), meaning="q in rad, then 0.1 s/rad times v"),
+    Sense("preview_q", sets=("full", "general"), meaning="desired q in rad at each time of the lookahead"),
     Sense(
         "preview_v",
         scale=lambda arm: SPEED_SCALE,
-        sets=("full",),
+        sets=("full", "general"),
         meaning="0.1 s/rad times desired v at the same times",
     ),
-    Sense("tendon_force", scale=_per_largest_force, meaning="tendon forces divided by maximum isometric forces"),
+    Sense(
+        "tendon_force",
+        scale=_per_largest_force,
+        sets=("general",),
+        meaning="tendon forces divided by maximum isometric forces",
+    ),
     Sense("excitation", meaning="excitations during the last control step, 0 at the start"),
+    Sense(
+        "recent_excitation",
+        sets=("general",),
+        meaning="excitations of the last four control steps, the latest first, 0 before the start",
+    ),
 )
 
 # The observation sets by name. A user can add a set: `OBSERVATIONS["mine"] = (*OBSERVATIONS["paper"], my_sense)`.

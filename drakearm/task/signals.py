@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from drakearm.errors import TaskError
 from drakearm.model.arm import Arm
 
+RECENT = 4  # control steps: as old as what people sense of their arms
 SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "arm_state": "q and v of the joints (2 n_q), rad and rad/s",
     "arm_acceleration": "acceleration of the joints (n_q), rad/s^2; only for rewards, because the start has none",
@@ -12,24 +13,33 @@ SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "preview_q": "desired q at each time of the task's lookahead (n_q len(lookahead)), rad",
     "preview_v": "desired v at the same times (n_q len(lookahead)), rad/s",
     "excitation": "excitations during the last control step (n), 0 at the start",
+    "recent_excitation": "excitations of the last RECENT control steps (n RECENT), the latest first, 0 at the start",
     "activation": "activations (n), 0 to 1",
     "fiber_length": "lengths of the muscle fibers (n), m",
     "fiber_velocity": "velocities of the muscle fibers (n), m/s, positive if the fiber lengthens",
     "tendon_force": "forces of the tendons (n), N",
 }
+OF_BODY = (
+    "arm_state",
+    "activation",
+    "fiber_length",
+    "fiber_velocity",
+    "tendon_force",
+)  # what nerves report, with delay
 
 
 def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
     """How many numbers a signal has. lookahead: of the task, in control steps."""
     n, n_q = len(arm.muscles), len(arm.coordinates)
-    of_joints = {
+    sizes = {
         "arm_state": 2 * n_q,
         "arm_acceleration": n_q,
         "reference": 2 * n_q,
         "preview_q": n_q * len(lookahead),
         "preview_v": n_q * len(lookahead),
+        "recent_excitation": n * RECENT,
     }
-    return of_joints.get(name, n)
+    return sizes.get(name, n)
 
 
 def check_signals(what: str, reads: Iterable[str], *, of_sense: bool = False) -> None:

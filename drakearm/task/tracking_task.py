@@ -1,12 +1,16 @@
 """TrackingTask: to follow a reference with the muscles. All environments and closed loops are made from it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+
+import numpy as np
 
 from drakearm.errors import TaskError
 from drakearm.model.arm import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
+from drakearm.task.episode import Episode, Randomization
 from drakearm.task.rewards import Reward
 from drakearm.task.senses import OBSERVATIONS, Observation, Sense
 from drakearm.task.signals import check_signals
@@ -30,11 +34,21 @@ class TrackingTask:
     lookahead: tuple[int, ...] = LOOKAHEAD  # the preview shows the reference this many control steps ahead
     load_mass: float = 0.0  # kg, in the hand
     obstacle: Obstacle | None = None  # only drawn; the reference must already avoid it
+    senses_delay: float = 0.0  # s, whole control steps: what the controller senses of its body is this old
+    randomization: tuple[Randomization, ...] = ()  # what changes from episode to episode
 
     @cached_property
     def observation(self) -> Observation:
         """Computes what a controller observes, from signals."""
         return Observation(self.arm, self.senses, self.lookahead)
+
+    def episode(self, rng: np.random.Generator | None) -> Episode:
+        """How an episode starts, and what differs in it. rng: source of all that is random; None: nothing is."""
+        episode = Episode(self.start(self.reference, rng), self.load_mass, senses_delay=self.senses_delay)
+        if rng is not None:
+            for randomization in self.randomization:
+                episode = randomization(episode, rng)
+        return episode
 
     def __post_init__(self) -> None:
         problem = self.reference.problem()
@@ -46,5 +60,17 @@ class TrackingTask:
                 f"The reference has {joints} joints: expected {len(coordinates)}, the {', '.join(coordinates)} of the "
                 f"arm {self.arm.name}."
             )
+        _ = self.episode(None).delay_steps
         check_signals(f"The reward {type(self.reward).__name__}", self.reward.reads)
         self.reward.check(self.arm)
+
+
+def check_interchangeable(tasks: Sequence[TrackingTask]) -> None:
+    """Raises TaskError, which names what differs, unless all tasks can be carried out in one environment.
+
+    They may differ in the reference, the load, the start and the randomization.
+    """
+    for i, task in enumerate(tasks):
+        for name in ("arm", "senses", "lookahead", "reward"):
+            if getattr(task, name) != getattr(tasks[0], name):
+                raise TaskError(f"Task {i} differs from task 0 in its {name}: expected the same in all tasks.")

@@ -37,6 +37,11 @@ NEUTRAL = (
 )
 
 
+def start_state(loop, rng=None):
+    """The state in which a run of a loop starts."""
+    return loop.systems.Reset(loop.diagram.CreateDefaultContext(), rng).start
+
+
 def assert_same(one, other):
     for field in fields(one):
         np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name), field.name)
@@ -87,7 +92,7 @@ def test_a_delayed_sense_is_that_of_some_steps_ago_and_the_start_before(short, s
     short = replace(short, senses=SENSES, start=ReferenceStart(0.0))
     now, late = observations(short, ()), observations(short, [SensorDelay(steps * CONTROL_STEP)])
     for name, place in short.observation.places.items():
-        delay = 0 if name in ("preview_q", "preview_v", "excitation") else steps
+        delay = 0 if name in ("preview_q", "preview_v", "excitation", "recent_excitation") else steps
         expected = np.concatenate([np.repeat(now[:1], delay, axis=0), now[: len(now) - delay]])
         np.testing.assert_array_equal(late[:, place], expected[:, place], name)
         assert np.any(now[0, place] != now[-1, place])
@@ -175,23 +180,24 @@ def test_strength_scales_every_muscle_and_no_sense(short):
 
 def test_a_start_offset_moves_all_joints_within_their_ranges(short):
     for angle in (3.0, -400.0):
-        systems = MakeStaticLoop(short, perturbations=[StartOffset(angle)]).systems
-        lower, upper = systems.arm.plant.GetPositionLowerLimits(), systems.arm.plant.GetPositionUpperLimits()
+        loop = MakeStaticLoop(short, perturbations=[StartOffset(angle)])
+        plant = loop.systems.arm.plant
+        lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
         expected = np.clip(short.reference.q[0] + np.deg2rad(angle), lower, upper)
-        np.testing.assert_allclose(systems.StartState().q, expected, atol=1e-15)
+        np.testing.assert_allclose(start_state(loop).q, expected, atol=1e-15)
 
 
 def test_start_noise_has_its_standard_deviation(short):
     short = replace(short, reference=replace(short.reference, q=short.reference.q + 1.0), start=ReferenceStart(0.0))
     noise = StartNoise(posture_deg=2.0, activation=0.01)
-    systems = MakeStaticLoop(short, perturbations=[noise]).systems
-    starts = [systems.StartState(np.random.default_rng(seed)) for seed in range(300)]
+    loop = MakeStaticLoop(short, perturbations=[noise])
+    starts = [start_state(loop, np.random.default_rng(seed)) for seed in range(300)]
     q, activation = np.array([s.q for s in starts]), np.array([s.activation for s in starts])
     np.testing.assert_allclose(q.std(axis=0), np.deg2rad(2.0), rtol=0.15)
     np.testing.assert_allclose(q.mean(axis=0), 1.0, atol=0.01)
     np.testing.assert_allclose(activation.std(axis=0), 0.01, rtol=0.15)
-    strong = MakeStaticLoop(short, perturbations=[StartNoise(activation=1.0)]).systems
-    drawn = strong.StartState(np.random.default_rng(0)).activation
+    strong = MakeStaticLoop(short, perturbations=[StartNoise(activation=1.0)])
+    drawn = start_state(strong, np.random.default_rng(0)).activation
     assert drawn.min() >= 0.01 and drawn.max() <= 1.0
 
 

@@ -16,7 +16,7 @@ def errors(envs: ArmVectorEnv, act) -> np.ndarray:
     observation, info = envs.reset(seed=0)
     found, over = [], False
     while not over:
-        observation, _, _, truncated, info = envs.step(act(observation, info, len(found)))
+        observation, _, _, truncated, info = envs.step(act(observation, info))
         found.append(np.abs(info["tracking_error"][0]))
         over = truncated[0]
     return np.mean(found, axis=0)
@@ -25,16 +25,17 @@ def errors(envs: ArmVectorEnv, act) -> np.ndarray:
 @pytest.mark.parametrize("load", [0.0, 2.0])
 def test_the_expert_tracks_a_movement_that_the_muscles_can_follow(task, load):
     task = replace(task, load_mass=load)
-    expert = StaticExpert([task], 2)
-    act = lambda observation, info, k: expert.act(info["arm_state"], info["activation"], np.full(2, k))  # noqa: E731
-    assert np.all(errors(ArmVectorEnv(task, 2), act) < 0.015)
+    envs = ArmVectorEnv(task, 2)
+    expert = StaticExpert(envs)
+    act = lambda observation, info: expert.act(info["arm_state"], info["activation"])  # noqa: E731
+    assert np.all(errors(envs, act) < 0.015)
 
 
 @pytest.mark.slow
 def test_an_actor_learns_to_track_by_imitation(task):
     actor, rounds = Actor(58, 14), []
     envs = ArmVectorEnv(task, 2)
-    act = lambda observation, info, k: actor(torch.tensor(observation)).detach().numpy().clip(0, 1)  # noqa: E731
+    act = lambda observation, info: actor(torch.tensor(observation)).detach().numpy().clip(0, 1)  # noqa: E731
     assert errors(envs, act).max() > 0.2
     scaling = imitate(actor, [task], 3, seed=0, on_round=rounds.append)
     scaling.fold(actor.mean)
@@ -53,9 +54,11 @@ def test_the_same_seed_gives_the_same_actor(task):
     assert (weights[0] != weights[2]).any()
 
 
-def test_an_actor_can_imitate_several_tasks(task):
+@pytest.mark.parametrize("arms", [1, 3])
+def test_an_actor_can_imitate_several_tasks(task, arms):
+    """Also if there are more tasks than arms."""
     short = replace(task, reference=replace(task.reference, **{n: getattr(task.reference, n)[:6] for n in "tqva"}))
     actor = Actor(58, 14, (16,))
     before = actor.mean[0].weight.clone()
-    imitate(actor, [short, replace(short, load_mass=1.0)], 1, seed=0)
+    imitate(actor, [short, replace(short, load_mass=1.0)], 1, seed=0, arms=arms)
     assert (actor.mean[0].weight != before).any()

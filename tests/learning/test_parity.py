@@ -11,7 +11,19 @@ from drakearm.experiments import scenario_files
 from drakearm.experiments.environments import make_task_env, scenario_task
 from drakearm.learning import ArmVectorEnv
 from drakearm.learning.compiled_arm import LANES
-from drakearm.task import OBSERVATIONS, SENSES, Reward, Sense, Start, StartState
+from drakearm.task import (
+    OBSERVATIONS,
+    SENSES,
+    RandomDelay,
+    Randomization,
+    RandomLoad,
+    RandomStart,
+    RandomStrength,
+    Reward,
+    Sense,
+    Start,
+    StartState,
+)
 
 NAMES = list(scenario_files())
 TOLERANCE = {"first observation": 2.0**-23, "observation": 2.0**-23, "final_obs": 2.0**-23}  # float32; all else: 1e-8
@@ -148,3 +160,39 @@ def test_a_users_own_senses_reward_and_start(task):
         envs = ArmVectorEnv(tasks, len(tasks))
         assert envs.single_observation_space.shape == (1 + 4 + 14 + 14,)
         assert_parity(["own"] * len(tasks), envs, diagrams(tasks), actions, seed=7)
+
+
+@dataclass(frozen=True)
+class WeakFlexors(Randomization):
+    """A user's randomization: every muscle has another strength, and some start active."""
+
+    type = "test_weak_flexors"
+
+    def __call__(self, episode, rng):
+        start = episode.start._replace(activation=rng.uniform(0.01, 0.3, 14))
+        return episode._replace(strength=rng.uniform(0.6, 1.1, 14), start=start)
+
+
+VARIED = (RandomLoad(0.0, 2.0), RandomStrength(0.8, 1.2), RandomStart(3.0, 0.2), RandomDelay(0.0, 0.06), WeakFlexors())
+
+
+def test_a_library_of_tasks_that_each_reset_draws_from():
+    """Every reset draws another movement, load, strength, start and delay. Several episodes are compared."""
+    task = replace(scenario_task("reach-000"), senses=OBSERVATIONS["general"], randomization=VARIED)
+    other = replace(
+        scenario_task("timing-0.4s"), senses=OBSERVATIONS["general"], randomization=VARIED[:3], load_mass=1.0
+    )
+    short = [replace(each, reference=beginning(each.reference, steps)) for each, steps in ((task, 12), (other, 17))]
+    many, arms = ArmVectorEnv(short, 3, redraw=True), 3
+    ones = SyncVectorEnv([partial(make_task_env, short)] * arms, autoreset_mode=AutoresetMode.SAME_STEP)
+    assert_parity(["library"] * arms, many, ones, draw_actions("policy", 60, arms), seed=3)
+
+
+def test_senses_that_are_always_late(task):
+    task = replace(task, senses=(*OBSERVATIONS["general"],), senses_delay=0.04)
+    assert_parity(["late"] * 2, ArmVectorEnv(task, 2), diagrams([task] * 2), draw_actions("policy", 20, 2), seed=3)
+
+
+def beginning(reference, steps):
+    """The first control steps of a reference."""
+    return replace(reference, **{name: getattr(reference, name)[: steps + 1] for name in ("t", "q", "v", "a", "tau")})

@@ -12,11 +12,12 @@ from drakearm.learning.rehearsal import rehearse
 
 def mean_errors(tasks, aims):
     """The mean absolute errors (K, n_q) of an expert that moves one arm per task."""
-    envs, expert = ArmVectorEnv(tasks, len(tasks)), StaticExpert(tasks, len(tasks), aims)
+    envs = ArmVectorEnv(tasks, len(tasks))
+    expert = StaticExpert(envs, aims)
     _, info = envs.reset(seed=0)
     errors = []
     for _ in tasks[0].reference.t[1:]:
-        action = expert.act(info["arm_state"], info["activation"], envs.reference_step)
+        action = expert.act(info["arm_state"], info["activation"])
         _, _, _, _, info = envs.step(action)
         errors.append(np.abs(info["tracking_error"]))
     return np.mean(errors, axis=0)

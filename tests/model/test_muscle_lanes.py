@@ -35,7 +35,18 @@ def test_many_arms_with_mixed_muscles_step_like_each_arm_alone():
         if step % 10 == 0:
             v, excitation = rng.normal(0.0, 2.0, (lanes, 2)), rng.random((lanes, len(muscles)))
         x = np.hstack([q, v])
-        step_muscle_lanes(together, tau, excitation.T.copy(), x.T.copy(), time_step, muscles, paths, work, *kinds)
+        step_muscle_lanes(
+            together,
+            tau,
+            excitation.T.copy(),
+            x.T.copy(),
+            time_step,
+            muscles,
+            np.ones((len(muscles), len(excitation))),
+            paths,
+            work,
+            *kinds,
+        )
         for k in range(lanes):
             muscle_step(alone[k], tau_alone, excitation[k], x[k], time_step, muscles, paths)
             np.testing.assert_allclose(together[:, k], alone[k], rtol=1e-9, atol=1e-9)

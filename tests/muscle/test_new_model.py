@@ -34,7 +34,7 @@ twice, once = models.passive_force_length(1.4, m)[0], models.passive_force_lengt
 assert np.isclose(twice, 2.0 * once) and twice > 0.0
 
 plant = MakeTorqueArm(arm)
-arms = CompiledArms(arm, [read_dynamics(plant)], plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits())
+arms = CompiledArms(arm, read_dynamics(plant), 1, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits())
 x, state = np.array([[-0.3, 1.2, 0.1, -0.2]]), resting_states(arm, np.array([[-0.3, 1.2]]), 0.05)
 arms.set_state(np.array([True]), x, state)
 excitation, alone = np.full(14, 0.3), state[0].copy()

@@ -14,7 +14,7 @@ from scipy.integrate import quad
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.model import MakeTorqueArm, load_arm
-from drakearm.model.dynamics_table import read_dynamics
+from drakearm.model.dynamics_table import read_dynamics, stack_dynamics
 from drakearm.model.joint_stops import HARDENING, STOP_STIFFNESS
 from drakearm.model.musculature import resting_states, tendon_forces
 from drakearm.muscle.models import passive_force_length, tendon_force_strain
@@ -31,7 +31,7 @@ speeds = st.floats(-30.0, 30.0)
 
 def start(count, arm_state, load=0.0):
     """Arms whose joints have the state arm_state, q and v, and whose muscles are at rest."""
-    arms = CompiledArms(ARM, [DYNAMICS[load]] * count, LOWER, UPPER)
+    arms = CompiledArms(ARM, stack_dynamics([DYNAMICS[load]] * count), count, LOWER, UPPER)
     states = np.tile(arm_state, (count, 1))
     arms.set_state(np.ones(count, dtype=bool), states, resting_states(ARM, states[:, :2], 0.05))
     return arms

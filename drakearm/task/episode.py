@@ -1,0 +1,121 @@
+"""The episode: how one run of a task starts, and how its arm differs from the one that the controller expects.
+
+To make a randomization of your own, derive a frozen dataclass from `Randomization` and put an instance into
+`TrackingTask.randomization`. With a `type` of its own it can also stand in scenario files.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from pydantic import BeforeValidator, Field, InstanceOf
+from pydantic.dataclasses import dataclass
+
+from drakearm.errors import TaskError
+from drakearm.files.fields import STRICT, NonNegative, Positive
+from drakearm.files.kinds import Kind
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.task.starts import StartState
+
+LONGEST_STEPS = 20  # control steps
+LONGEST_DELAY = LONGEST_STEPS * CONTROL_STEP  # s, of the senses
+_Load = Annotated[NonNegative, Field(le=1000.0)]
+_Strength = Annotated[Positive, Field(ge=0.01, le=100.0)]
+Delay = Annotated[NonNegative, Field(le=LONGEST_DELAY)]
+
+
+class Episode(NamedTuple):
+    """One run of a task."""
+
+    start: StartState
+    load_mass: float  # kg, in the hand
+    strength: float | np.ndarray = 1.0  # factors of the maximum isometric forces, one number or (n,)
+    senses_delay: float = 0.0  # s, a whole number of control steps: what is sensed of the body is this old
+
+    @property
+    def delay_steps(self) -> int:
+        """The delay in control steps. Raises TaskError if it is too long, or no whole number of them."""
+        steps = self.senses_delay / CONTROL_STEP
+        if not (0.0 <= self.senses_delay <= LONGEST_DELAY and abs(steps - round(steps)) < 1e-6):
+            raise TaskError(
+                f"The senses have a delay of {self.senses_delay:g} s: expected 0 to {LONGEST_DELAY} s, and a whole "
+                f"number of control steps of {CONTROL_STEP} s."
+            )
+        return round(steps)
+
+
+class Randomization(Kind):
+    """Base of all randomizations: what changes from episode to episode, and what the controller is not told."""
+
+    def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
+        """The episode with a random change. All random numbers must come from rng."""
+        raise NotImplementedError
+
+
+# As a scenario file has it: see `Kind.read`.
+FileRandomization = Annotated[InstanceOf[Randomization], BeforeValidator(Randomization.read)]
+
+
+def _in_order(least: float, most: float) -> None:
+    if least > most:
+        raise ValueError(f"found the range {least:g} to {most:g}, expected the smaller number first")
+
+
+@dataclass(frozen=True, config=STRICT)
+class RandomLoad(Randomization):
+    """The mass in the hand, with equal chances for all masses of a range. It replaces the load of the task."""
+
+    type = "load"
+    least: _Load  # kg
+    most: _Load  # kg
+
+    def __post_init__(self) -> None:
+        _in_order(self.least, self.most)
+
+    def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
+        return episode._replace(load_mass=float(rng.uniform(self.least, self.most)))
+
+
+@dataclass(frozen=True, config=STRICT)
+class RandomStrength(Randomization):
+    """One factor of the maximum isometric forces of all muscles, with equal chances for all factors of a range."""
+
+    type = "strength"
+    least: _Strength
+    most: _Strength
+
+    def __post_init__(self) -> None:
+        _in_order(self.least, self.most)
+
+    def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
+        return episode._replace(strength=episode.strength * float(rng.uniform(self.least, self.most)))
+
+
+@dataclass(frozen=True, config=STRICT)
+class RandomStart(Randomization):
+    """Offsets of the start, drawn for each joint: of its angle, and of its speed, with equal chances up to a limit."""
+
+    type = "start"
+    angle_deg: Annotated[NonNegative, Field(le=90.0)] = 0.0  # the largest offset, in both directions
+    speed: Annotated[NonNegative, Field(le=100.0)] = 0.0  # rad/s, the largest offset, in both directions
+
+    def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
+        start = episode.start
+        q = start.q + np.deg2rad(self.angle_deg) * rng.uniform(-1.0, 1.0, len(start.q))
+        v = start.v + self.speed * rng.uniform(-1.0, 1.0, len(start.q))
+        return episode._replace(start=start._replace(q=q, v=v))
+
+
+@dataclass(frozen=True, config=STRICT)
+class RandomDelay(Randomization):
+    """The delay of the senses, with equal chances for all whole control steps of a range."""
+
+    type = "senses_delay"
+    least: Delay  # s
+    most: Delay  # s
+
+    def __post_init__(self) -> None:
+        _in_order(self.least, self.most)
+
+    def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
+        steps = rng.integers(round(self.least / CONTROL_STEP), round(self.most / CONTROL_STEP), endpoint=True)
+        return episode._replace(senses_delay=int(steps) * CONTROL_STEP)
