@@ -30,7 +30,7 @@ class PpoSettings:
     clip: Positive = 0.2  # epsilon: probability ratios further from 1 than this bring no more gain
     max_grad_norm: Positive = 0.5  # longer gradients are scaled down to this norm
     value_weight: Positive = 0.5  # factor of the critic's loss
-    initial_std: _Std = 0.01  # standard deviation of the actions, in their unit
+    initial_std: _Std = 0.02  # standard deviation of the actions, in their unit
     final_std: _Std | None = 0.001  # at the end, reached geometrically; None: it is learned
     imitation_rounds: Annotated[Whole, Field(ge=0, le=1_000_000)] = 4  # of imitating static optimization before PPO
     initial_action: Finite = 0.15  # mean of the actions before training, in their unit
