@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
-from pydrake.systems.primitives import PassThrough
+from pydrake.systems.primitives import Adder, Gain, PassThrough
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
 from drakearm.diagrams.perturbation import BeginsRun, Perturbation, perturb_plant
@@ -106,7 +106,7 @@ def AddTrackingTask(
     if reference is None:
         reference = builder.AddNamedSystem("reference", ReferenceSource(task.reference, task.lookahead))
     body = {"arm_state": arm.plant.get_state_output_port()}
-    body |= {name: arm.muscles.GetOutputPort(name) for name in OF_BODY if name != "arm_state"}
+    body |= {name: arm.muscles.GetOutputPort(name) for name in OF_BODY if arm.muscles.HasOutputPort(name)}
     signals = (
         body
         | {
@@ -115,6 +115,10 @@ def AddTrackingTask(
         | {name: reference.GetOutputPort(name) for name in ("reference", "preview_q", "preview_v")}
     )
     proprioception = builder.AddNamedSystem("proprioception", Proprioception(task))
+    if "tracking_error" in (*proprioception.observation.reads, *task.reward.reads):
+        body["tracking_error"] = signals["tracking_error"] = _difference(
+            builder, signals["reference"], signals["arm_state"]
+        )
     reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
     excitation = arm.muscles.GetInputPort("excitation")
     read = {*proprioception.observation.reads, *task.reward.reads}
@@ -147,6 +151,16 @@ def AddTrackingTask(
     to_begin = tuple(system for system in builder.GetSystems() if isinstance(system, BeginsRun))
     lines = tuple(delays.values())
     return TaskSystems(task, moved, varies, arm, reference, excitation, sensed, proprioception, reward, lines, to_begin)
+
+
+def _difference(builder: DiagramBuilder, first: OutputPort, second: OutputPort) -> OutputPort:
+    """The first vector minus the second one."""
+    negative = builder.AddSystem(Gain(-1.0, second.size()))
+    difference = builder.AddNamedSystem("tracking_error", Adder(2, first.size()))
+    builder.Connect(second, negative.get_input_port())
+    builder.Connect(first, difference.get_input_port(0))
+    builder.Connect(negative.get_output_port(), difference.get_input_port(1))
+    return difference.get_output_port()
 
 
 def MakeTrackingTask(task: TrackingTask, *, varies: bool | None = None) -> tuple[Diagram, TaskSystems]:

@@ -74,6 +74,7 @@ class ArmVectorEnv(VectorEnv):
             "arm_state": lambda: self._arm_state,
             "arm_acceleration": lambda: self._acceleration,
             "reference": lambda: self._reference.take(self._row, axis=0),
+            "tracking_error": lambda: self._reference.take(self._row, axis=0) - self._arm_state,
             "preview_q": lambda: self._preview_q.take(self._row, axis=0),
             "preview_v": lambda: self._preview_v.take(self._row, axis=0),
             "excitation": lambda: self._recent[:, 0],
@@ -165,6 +166,11 @@ class ArmVectorEnv(VectorEnv):
         return self._row - self._first[self.task_of_arm]
 
     @property
+    def acceleration(self) -> np.ndarray:
+        """Joint accelerations (N, n_q), rad/s^2, due to muscles and stops in the latest time step; 0 at the start."""
+        return self._acceleration
+
+    @property
     def skeletons(self) -> DynamicsTable:
         """The equations of motion of all arms with their present loads, stacked, see `stack_dynamics`."""
         return self._dynamics.stacked(self._body[self.task_of_arm], self._load_mass)
@@ -184,7 +190,7 @@ class ArmVectorEnv(VectorEnv):
             self._delay[k] = episode.delay_steps
         q = arm_state[:, :n_q].clip(self._lower, self._upper)
         arm_state[:, :n_q] = q
-        self._recent[which] = 0.0
+        self._recent[which] = self._acceleration[which] = 0.0
         skeletons = self._dynamics.stacked(self._body[self.task_of_arm[arms]], self._load_mass[arms])
         self._arms.set_body(which, skeletons, self._strength[arms])
         self._arms.set_state(which, arm_state, resting_states(self._arm, q, activation))

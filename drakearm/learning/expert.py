@@ -1,5 +1,6 @@
 """The excitations that static optimization chooses for many arms. Imitation learns from them."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -10,7 +11,7 @@ from drakearm.model.feedback import Feedback
 from drakearm.model.muscle_control import excitations_for
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
 
-FEEDBACK = Feedback(stiffness=400.0, damping=40.0)  # a stiffer expert is harder to imitate
+STIFFNESS = 400.0  # 1/s^2, of the feedback: for a single movement a stiffer expert is harder to imitate
 
 
 class Aim(NamedTuple):
@@ -25,13 +26,17 @@ class StaticExpert:
     """Computed muscle control (Thelen, Anderson and Delp 2003) for the arms of an `ArmVectorEnv`.
 
     It differs from `StaticOptimizer` in two points. It uses the method's forecast: it chooses the excitations for the
-    joint angles that are expected at the end of the control step. And it can aim at another movement than the
-    reference, which `rehearse` finds.
+    joint angles and speeds that are expected at the end of the control step, from the present accelerations. Without
+    the forecast, stiff feedback would make the arm tremble. And it can aim at another movement than the reference, which `rehearse` finds.
     """
 
-    def __init__(self, envs: ArmVectorEnv, aims: Sequence[Aim] | None = None) -> None:
-        """aims: one per task of the environments, by default the references."""
+    def __init__(self, envs: ArmVectorEnv, aims: Sequence[Aim] | None = None, stiffness: float = STIFFNESS) -> None:
+        """aims: one per task of the environments, by default the references.
+
+        stiffness: 1/s^2, of the feedback of position errors; the damping is critical.
+        """
         self._envs = envs
+        self._feedback = Feedback(stiffness, 2.0 * math.sqrt(stiffness))
         tasks = envs.tasks
         self.aims = aims or [Aim(task.reference.q, task.reference.v, task.reference.a) for task in tasks]
         self._priority = np.array([task.reward.priority(task.arm) for task in tasks])
@@ -58,11 +63,12 @@ class StaticExpert:
         task = self._envs.task_of_arm
         rows = np.minimum(self._first[task] + self._envs.reference_step + 1, self._last[task])
         q, v = np.hsplit(arm_state, 2)
-        q = q + CONTROL_STEP * v
-        a = FEEDBACK.acceleration(q, v, self._samples[rows])
+        present = self._envs.acceleration
+        q, v = q + CONTROL_STEP * v + 0.5 * CONTROL_STEP**2 * present, v + CONTROL_STEP * present
+        a = self._feedback.acceleration(q, v, self._samples[rows])
         excitation: np.ndarray = excitations_for(
             q,
-            np.ascontiguousarray(v),
+            v,
             a,
             np.ascontiguousarray(activation),
             self._activation,

@@ -12,7 +12,7 @@ import torch
 
 from drakearm.learning.arm_vector_env import ArmVectorEnv
 from drakearm.learning.backprop import Backprop
-from drakearm.learning.expert import StaticExpert
+from drakearm.learning.expert import STIFFNESS, StaticExpert
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.learners import Learner
 from drakearm.learning.policy import Actor
@@ -32,15 +32,17 @@ def imitate(
     seed: int,
     on_round: Callable[[int], None] | None = None,
     arms: int = 64,
+    stiffness: float = STIFFNESS,
 ) -> InputScaling:
     """Trains an actor in place. The same seed gives the same weights. Returns the scaling of the actor's inputs.
 
     tasks: assigned to the arms round-robin, or drawn if there are more of them than arms, as in `ArmVectorEnv`. The
     expert rehearses them. It moves the arms in the first round, and the actor in later rounds. The observations of the
-    first round give the scaling. on_round: called after each round with its number, from 1.
+    first round give the scaling. on_round: called after each round with its number, from 1. stiffness: 1/s^2, of the
+    expert's feedback.
     """
     envs = ArmVectorEnv(tasks, arms, redraw=len(tasks) > arms)
-    expert = StaticExpert(envs, rehearse(tasks))
+    expert = StaticExpert(envs, rehearse(tasks, stiffness), stiffness)
     scaling = InputScaling.none(tasks[0].observation.size)
     learner = Learner(actor, max_grad_norm=1.0)
     generator = torch.Generator().manual_seed(seed)

@@ -33,6 +33,7 @@ class PpoSettings:
     initial_std: _Std = 0.02  # standard deviation of the actions, in their unit
     final_std: _Std | None = 0.001  # at the end, reached geometrically; None: it is learned
     imitation_rounds: Annotated[Whole, Field(ge=0, le=1_000_000)] = 4  # of imitating static optimization before PPO
+    imitation_stiffness: Annotated[Positive, Field(ge=1.0, le=1e5)] = 400.0  # 1/s^2, of the feedback that is imitated
     initial_action: Finite = 0.15  # mean of the actions before training, in their unit
     actor_layers: Layers = (64,) * 5  # widths of the hidden layers, tanh
     critic_layers: Layers = (64,) * 3  # widths of the hidden layers, PReLU

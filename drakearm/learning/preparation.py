@@ -23,5 +23,13 @@ def prepare(
     called after each round with its number, from 1.
     """
     if settings.imitation_rounds:
-        return imitate(actor, tasks, settings.imitation_rounds, seed, on_round, settings.environments)
+        return imitate(
+            actor,
+            tasks,
+            settings.imitation_rounds,
+            seed,
+            on_round,
+            settings.environments,
+            settings.imitation_stiffness,
+        )
     return survey(tasks, settings.initial_action, settings.initial_std, seed)

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from drakearm.learning.arm_vector_env import ArmVectorEnv
-from drakearm.learning.expert import Aim, StaticExpert
+from drakearm.learning.expert import STIFFNESS, Aim, StaticExpert
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.task import Start, StartState, TrackingTask
 
@@ -31,11 +31,14 @@ class _WithoutNoise(Start):
         return self.start(reference, None)
 
 
-def rehearse(tasks: Sequence[TrackingTask]) -> list[Aim]:
-    """What the expert aims at in each task: of all repetitions, the aim that brought the largest sum of rewards."""
+def rehearse(tasks: Sequence[TrackingTask], stiffness: float = STIFFNESS) -> list[Aim]:
+    """What the expert aims at in each task: of all repetitions, the aim that brought the largest sum of rewards.
+
+    stiffness: 1/s^2, of the expert's feedback.
+    """
     tasks = [replace(task, start=_WithoutNoise(task.start), randomization=()) for task in tasks]
     envs = ArmVectorEnv(tasks, len(tasks))
-    expert = StaticExpert(envs)
+    expert = StaticExpert(envs, stiffness=stiffness)
     best, most = [*expert.aims], np.full(len(tasks), -np.inf)
     corrections = [np.zeros_like(task.reference.q) for task in tasks]
     for _ in range(REPETITIONS):

@@ -95,6 +95,12 @@ SENSES = (  # in the order of the observation. The set "paper" is the observatio
     ),
     Sense("excitation", meaning="excitations during the last control step, 0 at the start"),
     Sense(
+        "tracking_error",
+        scale=lambda arm: np.repeat([10.0, 1.0], len(arm.coordinates)),
+        sets=("general",),
+        meaning="10/rad times desired q minus q, then 1 s/rad times desired v minus v",
+    ),
+    Sense(
         "recent_excitation",
         sets=("general",),
         meaning="excitations of the last four control steps, the latest first, 0 before the start",

@@ -10,6 +10,7 @@ SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "arm_state": "q and v of the joints (2 n_q), rad and rad/s",
     "arm_acceleration": "acceleration of the joints (n_q), rad/s^2; only for rewards, because the start has none",
     "reference": "desired q and v now (2 n_q), rad and rad/s",
+    "tracking_error": "desired q and v minus q and v of the joints (2 n_q), rad and rad/s",
     "preview_q": "desired q at each time of the task's lookahead (n_q len(lookahead)), rad",
     "preview_v": "desired v at the same times (n_q len(lookahead)), rad/s",
     "excitation": "excitations during the last control step (n), 0 at the start",
@@ -19,13 +20,8 @@ SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "fiber_velocity": "velocities of the muscle fibers (n), m/s, positive if the fiber lengthens",
     "tendon_force": "forces of the tendons (n), N",
 }
-OF_BODY = (
-    "arm_state",
-    "activation",
-    "fiber_length",
-    "fiber_velocity",
-    "tendon_force",
-)  # what nerves report, with delay
+# What nerves report, with a delay.
+OF_BODY = ("arm_state", "tracking_error", "activation", "fiber_length", "fiber_velocity", "tendon_force")
 
 
 def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
@@ -35,6 +31,7 @@ def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
         "arm_state": 2 * n_q,
         "arm_acceleration": n_q,
         "reference": 2 * n_q,
+        "tracking_error": 2 * n_q,
         "preview_q": n_q * len(lookahead),
         "preview_v": n_q * len(lookahead),
         "recent_excitation": n * RECENT,
