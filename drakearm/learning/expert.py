@@ -27,7 +27,8 @@ class StaticExpert:
 
     It differs from `StaticOptimizer` in two points. It uses the method's forecast: it chooses the excitations for the
     joint angles and speeds that are expected at the end of the control step, from the present accelerations. Without
-    the forecast, stiff feedback would make the arm tremble. And it can aim at another movement than the reference, which `rehearse` finds.
+    the forecast, stiff feedback would make the arm tremble. And it can aim at another movement than the reference,
+    which `rehearse` finds.
     """
 
     def __init__(self, envs: ArmVectorEnv, aims: Sequence[Aim] | None = None, stiffness: float = STIFFNESS) -> None:
