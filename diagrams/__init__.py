@@ -5,6 +5,7 @@ from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm
 from drakearm.diagrams.perturbation import Perturbation
 from drakearm.diagrams.perturbations import ExtraLoad, MotorNoise, Push, SensorDelay, Strength
 from drakearm.diagrams.policy_loop import MakePolicyLoop
+from drakearm.diagrams.reaching_loop import MakeReachingLoop, ReachingLoop
 from drakearm.diagrams.start_perturbations import StartNoise, StartOffset
 from drakearm.diagrams.static_loop import MakeStaticLoop
 from drakearm.diagrams.tracking_loop import TrackingLoop
@@ -16,6 +17,7 @@ __all__ = [
     "ExtraLoad",
     "MakeMpcLoop",
     "MakePolicyLoop",
+    "MakeReachingLoop",
     "MakeSimulator",
     "MakeStaticLoop",
     "MakeTrackingTask",
@@ -24,6 +26,7 @@ __all__ = [
     "MuscleArm",
     "Perturbation",
     "Push",
+    "ReachingLoop",
     "SensorDelay",
     "StartNoise",
     "StartOffset",

@@ -9,6 +9,7 @@ from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
 from drakearm.systems.noise import Noise
 from drakearm.systems.policy_controller import PolicyController
 from drakearm.systems.proprioception import Proprioception
+from drakearm.systems.reach_source import ReachSource
 from drakearm.systems.reference_source import ReferenceSource
 from drakearm.systems.static_optimizer import StaticOptimizer
 from drakearm.systems.tracking_reward import TrackingReward
@@ -24,6 +25,7 @@ __all__ = [
     "Noise",
     "PolicyController",
     "Proprioception",
+    "ReachSource",
     "ReferenceSource",
     "StaticOptimizer",
     "TrackingReward",

@@ -16,7 +16,7 @@ LAYERS = [  # lowest first
     {"planning", "learning"},
     {"figures", "replay"},
     {"experiments"},
-    {"reproduction"},
+    {"reproduction", "repertoire"},
     {"cli"},
 ]
 LEVEL = {room: level for level, layer in enumerate(LAYERS) for room in sorted(layer)}

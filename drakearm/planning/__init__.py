@@ -12,10 +12,13 @@ from drakearm.planning.costs import (
 )
 from drakearm.planning.feasibility import Feasibility, muscle_feasibility
 from drakearm.planning.hand_costs import HandPosition, ObstacleDistance
+from drakearm.planning.library import Library, plan_library
 from drakearm.planning.movement import Movement
+from drakearm.planning.movement_source import MovementSource, Reaches
 from drakearm.planning.planner import plan
 from drakearm.planning.planning_model import PlanningModel
 from drakearm.planning.problem import Problem
+from drakearm.planning.reach import ReachPlanner, posture_at, reach
 from drakearm.planning.receding_horizon import RecedingHorizon
 from drakearm.planning.result import Plan
 from drakearm.planning.verification import Verification
@@ -27,12 +30,16 @@ __all__ = [
     "Feasibility",
     "HandPosition",
     "HeldJoint",
+    "Library",
     "Movement",
+    "MovementSource",
     "ObstacleDistance",
     "Plan",
     "PlanningModel",
     "Posture",
     "Problem",
+    "ReachPlanner",
+    "Reaches",
     "RecedingHorizon",
     "SwitchedTarget",
     "Torque",
@@ -40,4 +47,7 @@ __all__ = [
     "Verification",
     "muscle_feasibility",
     "plan",
+    "plan_library",
+    "posture_at",
+    "reach",
 ]

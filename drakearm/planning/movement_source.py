@@ -1,0 +1,108 @@
+"""Sources of movements: where the movements come from that one policy shall learn."""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from pydantic import BeforeValidator, Field, InstanceOf, field_validator
+from pydantic.dataclasses import dataclass
+
+from drakearm.errors import PlanningError
+from drakearm.files.fields import STRICT, Degrees, NonNegative, Positive, Vector
+from drakearm.files.kinds import Kind
+from drakearm.model import MakeTorqueArm
+from drakearm.model.arm import Arm
+from drakearm.model.reference import CONTROL_STEP
+from drakearm.model.skeleton import hand_motion
+from drakearm.planning.costs import Cost
+from drakearm.planning.movement import Movement
+
+_TRIES = 10_000  # postures that are drawn until the hand is where it should be
+
+
+class Drawn(NamedTuple):
+    """A movement that a source has drawn."""
+
+    movement: Movement
+    load_mass: float  # kg, in the hand
+
+
+class MovementSource(Kind):
+    """Base of all sources. A source of your own is a frozen dataclass with a `type` that derives from this class.
+
+    A scenario file can name it by its `type` once the module that defines it is imported.
+    """
+
+    def draw(self, arm: Arm, rng: np.random.Generator) -> Drawn:
+        """Draws a movement. It need not be one that the muscles can make: `plan_library` tests this.
+
+        All random numbers must come from rng. Raises PlanningError if there is nothing to draw.
+        """
+        raise NotImplementedError
+
+
+Source = Annotated[InstanceOf[MovementSource], BeforeValidator(MovementSource.read)]  # as a file has it
+_Seconds = Annotated[Positive, Field(le=60.0)]
+_Kilograms = Annotated[NonNegative, Field(le=1000.0)]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Reaches(MovementSource):
+    """Movements from rest at one posture to rest at another one. All numbers are drawn from ranges with equal chances.
+
+    A target is a posture, drawn from target_deg. With target_box, postures are drawn until the hand is in the box.
+    """
+
+    type = "reaches"
+    start_deg: tuple[tuple[Degrees, Degrees], ...]  # per coordinate
+    target_deg: tuple[tuple[Degrees, Degrees], ...]  # per coordinate
+    target_box: tuple[Vector, Vector] | None = None  # m, lowest and highest x, y and z of the hand, in the world
+    least_way_deg: NonNegative = 10.0  # by which at least one joint turns
+    duration: tuple[_Seconds, _Seconds]
+    load_mass: tuple[_Kilograms, _Kilograms] = (0.0, 0.0)
+    hold: Annotated[NonNegative, Field(le=60.0)] = 0.2  # s of rest after the end
+    speed_limit: tuple[Positive, ...]  # rad/s, per coordinate
+    torque_limit: tuple[Positive, ...]  # Nm, per coordinate
+    costs: Annotated[list[Cost], Field(min_length=1, max_length=50)]
+
+    @field_validator("start_deg", "target_deg")
+    @classmethod
+    def _ordered_each(cls, ranges: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        for low, high in ranges:
+            cls._ordered((low, high))
+        return ranges
+
+    @field_validator("duration", "load_mass")
+    @classmethod
+    def _ordered(cls, limits: tuple[float, float]) -> tuple[float, float]:
+        if limits[0] > limits[1]:
+            raise ValueError(f"found the range {limits[0]:g} to {limits[1]:g}, expected the smaller number first")
+        return limits
+
+    def draw(self, arm: Arm, rng: np.random.Generator) -> Drawn:
+        """Raises PlanningError if no posture has the hand at the target, or none is far enough from the start."""
+        for _ in range(_TRIES):
+            start, target = (rng.uniform(*np.transpose(ranges)) for ranges in (self.start_deg, self.target_deg))
+            if np.abs(target - start).max() >= self.least_way_deg and self._hand_is_there(arm, target):
+                break
+        else:
+            raise PlanningError("The source finds no target: expected wider ranges of target_deg or target_box.")
+        shortest, longest = (round(limit / CONTROL_STEP) for limit in self.duration)
+        steps = int(rng.integers(shortest, longest, endpoint=True))
+        movement = Movement(
+            start_deg=tuple(start.tolist()),
+            target_deg=tuple(target.tolist()),
+            duration=round(steps * CONTROL_STEP, 6),
+            hold=self.hold,
+            speed_limit=self.speed_limit,
+            torque_limit=self.torque_limit,
+            costs=self.costs,
+        )
+        return Drawn(movement, float(rng.uniform(*self.load_mass)))
+
+    def _hand_is_there(self, arm: Arm, target: np.ndarray) -> bool:
+        if self.target_box is None:
+            return True
+        q = np.deg2rad(target)[None]
+        p_WH = hand_motion(MakeTorqueArm(arm), arm, q, np.zeros_like(q))[0][0]
+        lowest, highest = self.target_box
+        return bool(np.all(p_WH >= lowest) and np.all(p_WH <= highest))

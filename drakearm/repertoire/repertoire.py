@@ -1,0 +1,97 @@
+"""Repertoires: YAML files that say which movements one policy learns, and how. drakearm ships some."""
+
+import os
+from dataclasses import field, replace
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from drakearm.errors import ScenarioError, did_you_mean, shown
+from drakearm.experiments.scenario import ArmName, Tracking
+from drakearm.files import read_yaml
+from drakearm.files.fields import STRICT, FileName, PlainText, Whole
+from drakearm.files.problems import describe
+from drakearm.learning import PpoSettings
+from drakearm.model import load_arm
+from drakearm.model.reference import Reference
+from drakearm.planning.library import Library
+from drakearm.planning.movement_source import Source
+from drakearm.task import ReferenceStart, TrackingTask, observation_set
+from drakearm.task.episode import Delay, FileRandomization
+
+_SHIPPED = Path(__file__).parent / "files"
+
+
+@dataclass(frozen=True, config=STRICT)
+class Movements:
+    """Which movements are planned."""
+
+    source: Source
+    count: Annotated[Whole, Field(ge=1, le=100_000)] = 512
+    seed: Annotated[Whole, Field(ge=0, le=2**32 - 1)] = 0
+
+
+@dataclass(frozen=True, config=STRICT)
+class Repertoire:
+    """The content of a repertoire file."""
+
+    name: FileName
+    description: PlainText
+    movements: Movements
+    tracking: Tracking  # what is learned
+    senses_delay: Delay = 0.0  # s: what the policy senses of the body is this old
+    randomization: Annotated[tuple[FileRandomization, ...], Field(max_length=50)] = ()
+    arm: ArmName = "arm14"
+    training: PpoSettings = field(default_factory=PpoSettings)
+
+    def task(self, reference: Reference, load_mass: float = 0.0) -> TrackingTask:
+        """The task to follow a reference with a load (kg), with the senses, delay and randomization of the file."""
+        return TrackingTask(
+            arm=load_arm(self.arm),
+            reference=reference,
+            reward=self.tracking.reward,
+            senses=observation_set(self.tracking.observation),
+            start=ReferenceStart(noise=np.deg2rad(self.tracking.start_noise_deg)),
+            load_mass=load_mass,
+            senses_delay=self.senses_delay,
+            randomization=self.randomization,
+        )
+
+    def tasks(self, library: Library) -> list[TrackingTask]:
+        """The tasks of all movements of a library."""
+        references = library.references
+        first = self.task(references[0])
+        pairs = zip(references, library.load_mass.tolist(), strict=True)
+        return [replace(first, reference=reference, load_mass=load_mass) for reference, load_mass in pairs]
+
+
+def repertoire_files() -> dict[str, Path]:
+    """The shipped repertoires: name and file."""
+    return {file.stem: file for file in sorted(_SHIPPED.glob("*.yaml"))}
+
+
+def find_repertoire(repertoire: str | Path) -> Path:
+    """The file of a shipped repertoire, or the given path. Raises ScenarioError, with all names, if there is none."""
+    shipped = repertoire_files()
+    file = shipped.get(str(repertoire), Path(repertoire))
+    if not os.path.isfile(file):
+        raise ScenarioError(
+            f"There is no repertoire {shown(str(repertoire))}{did_you_mean(str(repertoire), shipped)}: "
+            f"expected the path of a file or one of {', '.join(shipped)}."
+        )
+    return file
+
+
+def load_repertoire(repertoire: str | Path) -> Repertoire:
+    """Loads a shipped repertoire by its name, or a file. Raises ScenarioError, with file and field, if invalid."""
+    file = find_repertoire(repertoire)
+    content = read_yaml(file, ScenarioError)
+    try:
+        loaded = TypeAdapter(Repertoire).validate_python(content)
+    except ValidationError as error:
+        raise ScenarioError(describe(error, file, content, Repertoire)) from error
+    own = file.resolve().parent / loaded.arm
+    return replace(loaded, arm=str(own)) if os.path.isfile(own / "muscles.yaml") else loaded

@@ -1,0 +1,126 @@
+"""Learning a repertoire: its library is planned, a policy is trained, and tested on movements that it has not seen."""
+
+import json
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from drakearm.errors import RunFolderError, shown
+from drakearm.experiments.metrics import versions
+from drakearm.experiments.steps import with_batches
+from drakearm.files.writing import replacement
+from drakearm.learning import ArmVectorEnv, BatchReport, Policy, prepare, train
+from drakearm.model import load_arm
+from drakearm.planning.library import Library, plan_library
+from drakearm.repertoire.errors_table import held_out_errors
+from drakearm.repertoire.repertoire import Movements, Repertoire, find_repertoire, load_repertoire
+
+HELD_OUT = 200  # movements
+HELD_OUT_SEED = 2**31  # plus the seed of the repertoire: libraries are not planned with such seeds
+FILES = {
+    "repertoire": "repertoire.yaml",
+    "library": "library.npz",
+    "held_out": "held_out.npz",
+    "policy": "policy.safetensors",
+    "log": "training.csv",
+    "errors": "errors.json",
+}
+OnPlanned = Callable[[int, int], None]
+
+
+def library_of(
+    repertoire: Repertoire, movements: Movements, file: Path, on_planned: OnPlanned | None = None
+) -> Library:
+    """The library of movements in a file; it is planned if the file does not exist."""
+    if not file.exists():
+        report = (lambda done: on_planned(done, movements.count)) if on_planned else None
+        plan_library(load_arm(repertoire.arm), movements.source, movements.count, movements.seed, report).save(file)
+    library = Library.load(file)
+    if len(library.length) != movements.count:
+        raise RunFolderError(f"{shown(file)} has {len(library.length)} movements: expected {movements.count}.")
+    return library
+
+
+def learn_repertoire(
+    source: str | Path,
+    folder: Path,
+    *,
+    seed: int = 0,
+    batches: int | None = None,
+    on_planned: OnPlanned | None = None,
+    on_round: Callable[[int, int], None] | None = None,
+    on_batch: Callable[[BatchReport], None] | None = None,
+) -> dict[str, Any]:
+    """Learns a repertoire (name or file) in a folder, with the files of FILES, and returns the content of errors.json.
+
+    A library that the folder has already is kept, if the folder has the same repertoire. batches: replaces the number
+    in the file. on_planned: called after each plan with the number of plans and of movements; on_round, on_batch: see
+    `train_step`. Raises RunFolderError if the folder has another repertoire.
+    """
+    repertoire = load_repertoire(source)
+    path = {name: folder / file for name, file in FILES.items()}
+    _claim(find_repertoire(source), path["repertoire"])
+    settings = with_batches(repertoire.training, batches)
+    start = time.perf_counter()
+    library = library_of(repertoire, repertoire.movements, path["library"], on_planned)
+    planned = time.perf_counter()
+    tasks = repertoire.tasks(library)
+    policy = train(
+        ArmVectorEnv(tasks, settings.environments, redraw=True),
+        settings,
+        seed=seed,
+        metadata={"repertoire": repertoire.name, "seed": seed, "versions": versions()},
+        prepare=lambda actor: prepare(
+            actor,
+            tasks,
+            settings,
+            seed,
+            lambda number: on_round(number, settings.imitation_rounds) if on_round else None,
+        ),
+        log_path=path["log"],
+        on_batch=on_batch,
+    )
+    policy.save(path["policy"])
+    trained = time.perf_counter()
+    errors = {
+        "repertoire": repertoire.name,
+        "seed": seed,
+        "settings": asdict(settings),
+        "planning_seconds": planned - start,
+        "training_seconds": trained - planned,
+        "held_out": evaluate_repertoire(repertoire, policy, path["held_out"], on_planned),
+        "versions": versions(),
+    }
+    with replacement(path["errors"]) as partial:
+        partial.write_text(json.dumps(errors, indent=1) + "\n", encoding="utf-8")
+    return errors
+
+
+def evaluate_repertoire(
+    repertoire: Repertoire, policy: Policy, file: Path, on_planned: OnPlanned | None = None
+) -> dict[str, Any]:
+    """The errors of a policy in HELD_OUT movements that it has not seen, and those of static optimization.
+
+    file: of the library with these movements, which is planned if it does not exist.
+    """
+    movements = replace(repertoire.movements, count=HELD_OUT, seed=(repertoire.movements.seed + HELD_OUT_SEED) % 2**32)
+    tasks = repertoire.tasks(library_of(repertoire, movements, file, on_planned))
+    policy.check(tasks[0])
+    return {
+        "policy": held_out_errors(tasks, policy.act).summary(),
+        "static optimization, told the load": held_out_errors(tasks, None).summary(),
+    }
+
+
+def _claim(source: Path, kept: Path) -> None:
+    """Copies the repertoire's file into the folder. Raises RunFolderError if it has another one."""
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    if kept.exists() and kept.resolve() != source.resolve() and kept.read_bytes() != source.read_bytes():
+        raise RunFolderError(
+            f"{shown(kept.parent)} holds another repertoire: expected an empty folder, or one with the same."
+        )
+    if not kept.exists():
+        shutil.copyfile(source, kept)
