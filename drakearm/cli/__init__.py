@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from drakearm.cli import evaluate, export, inspect, learn, move, plan, replay, reproduce, run, train
+from drakearm.cli import evaluate, export, inspect, learn, live, move, plan, replay, reproduce, run, train
 from drakearm.cli.console import console, show_error
 from drakearm.cli.list import list_scenarios
 from drakearm.cli.streams import abandon_output, prepare_streams
@@ -45,6 +45,7 @@ app.command("replay")(replay.replay)
 app.command("export")(export.export)
 app.command("run")(run.run)
 app.command("move")(move.move)
+app.command("live")(live.live)
 app.command("plan-library")(learn.plan_library)
 app.command("learn")(learn.learn)
 app.command("reproduce")(reproduce.reproduce)

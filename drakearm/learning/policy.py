@@ -23,18 +23,22 @@ def _mlp(
     sizes: Sequence[int],
     activation: Callable[[], nn.Module],
     last_gain: float,
-    generator: torch.Generator,
+    generator: torch.Generator | None,
+    initialize: bool,
 ) -> nn.Sequential:
     """Linear layers of the given `sizes` (first: input, last: output), `activation` between them.
 
-    Weights are orthogonal (Saxe, McClelland, Ganguli 2014) and drawn from `generator` only.
+    Weights are orthogonal (Saxe, McClelland, Ganguli 2014) and drawn from `generator` only. initialize: False leaves
+    them undefined, for weights that are loaded afterwards, because to draw them takes time.
     """
+    generator = generator or torch.Generator()
     modules: list[nn.Module] = []
     for inputs, outputs in pairwise(sizes):
         # skip_init: the usual constructor would draw from torch's global generator.
         linear = nn.utils.skip_init(nn.Linear, inputs, outputs)
-        nn.init.orthogonal_(linear.weight, gain=2**0.5, generator=generator)
-        nn.init.zeros_(linear.bias)
+        if initialize:
+            nn.init.orthogonal_(linear.weight, gain=2**0.5, generator=generator)
+            nn.init.zeros_(linear.bias)
         modules += [linear, activation()]
     modules.pop()
     with torch.no_grad():
@@ -48,7 +52,7 @@ class Actor(nn.Module):
     initial_action: the mean before training, in the action's unit. It is nearly the same for all observations, because
     the weights of the last layer start small. initial_std: the standard deviation before training, in the same unit.
     learns_std: whether training changes the standard deviation by its gradient. generator: draws the initial weights;
-    without one, they are the same every time.
+    without one, they are the same every time. initialize: see `_mlp`.
     """
 
     def __init__(
@@ -61,12 +65,13 @@ class Actor(nn.Module):
         initial_std: float = 0.3,
         learns_std: bool = True,
         generator: torch.Generator | None = None,
+        initialize: bool = True,
     ) -> None:
         super().__init__()
         self.learns_std = learns_std
         self.layers = tuple(layers)
         sizes = (n_observations, *layers, n_actions)
-        self.mean = _mlp(sizes, nn.Tanh, 0.01, generator or torch.Generator())
+        self.mean = _mlp(sizes, nn.Tanh, 0.01, generator, initialize)
         nn.init.constant_(self.mean[-1].bias, initial_action)  # type: ignore[arg-type]
         self.log_std = nn.Parameter(torch.full((n_actions,), initial_std).log())
 
@@ -102,11 +107,12 @@ class Critic(nn.Module):
         layers: Sequence[int] = (64,) * 3,
         *,
         generator: torch.Generator | None = None,
+        initialize: bool = True,
     ) -> None:
         super().__init__()
         self.layers = tuple(layers)
         sizes = (n_observations, *layers, 1)
-        self.value = _mlp(sizes, nn.PReLU, 1.0, generator or torch.Generator())
+        self.value = _mlp(sizes, nn.PReLU, 1.0, generator, initialize)
 
     def forward(self, observations: Tensor) -> Tensor:
         """The value (...) of `observations`, (..., n_obs)."""
@@ -210,8 +216,8 @@ class Policy(nn.Module):
                 f"{header.n_weights} for layers of these widths."
             )
         policy = cls(
-            Actor(header.n_observations, len(header.low), header.actor_layers),
-            Critic(header.n_observations, header.critic_layers),
+            Actor(header.n_observations, len(header.low), header.actor_layers, initialize=False),
+            Critic(header.n_observations, header.critic_layers, initialize=False),
             header.low,
             header.high,
             header.metadata,

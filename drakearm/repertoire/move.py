@@ -41,7 +41,7 @@ class Move:
         self.task.reference.save(reference)
         write_plan_picture(self.report, plan_picture)
         self.recording.save(recording)
-        metrics = {"noise_free": self.metrics, "success_rate": {}}
+        metrics = {"joints": list(self.task.arm.coordinates), "noise_free": self.metrics, "success_rate": {}}
         write_movement_picture(
             Movement(self.task, self.recording, [], metrics, self.report.name, self.report.description), movement
         )
