@@ -1,7 +1,8 @@
 """Ships the policies of a reproduction: copies those of the default method and the first seed into the package.
 
-First `drakearm reproduce all --out FOLDER`, then `python docs/make_policies.py FOLDER`. `--quick` only checks that it
-works: it trains one movement briefly and copies its policy into a temporary folder.
+First `drakearm reproduce all --out FOLDER`, then `python docs/make_policies.py FOLDER`. With the folder of
+`drakearm learn --out FOLDER` it ships that policy. `--quick` only checks that it works: it trains one movement briefly
+and copies its policy into a temporary folder.
 """
 
 import argparse
@@ -10,6 +11,8 @@ from pathlib import Path
 
 from drakearm.experiments import RunFolder, evaluate_step, plan_step, scenario_files, train_step
 from drakearm.experiments.shipped import POLICIES, ship
+from drakearm.repertoire.shipped import ship as ship_repertoire
+from drakearm.repertoire.steps import FILES
 from drakearm.reproduction.trial import Method
 
 QUICK = "timing-0.4s"
@@ -17,7 +20,7 @@ QUICK = "timing-0.4s"
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path, nargs="?", help="the folder of a reproduction")
+    parser.add_argument("folder", type=Path, nargs="?", help="the folder of a reproduction, or of what was learned")
     parser.add_argument(
         "--quick", action="store_true", help="ships one movement, trained briefly, into a temporary folder"
     )
@@ -31,6 +34,8 @@ def main() -> None:
             show([ship(run, Path(folder))])
     elif options.folder is None:
         parser.error("expected the folder of a reproduction, or --quick")
+    elif (options.folder / FILES["errors"]).exists():
+        show([ship_repertoire(options.folder, POLICIES)])
     else:
         trials = options.folder / "trials"
         show([ship(RunFolder(trials / name / Method.default.name / "seed-0"), POLICIES) for name in scenario_files()])

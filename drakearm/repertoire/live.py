@@ -80,6 +80,7 @@ class Live:
         self._target.FixValue(self.context, start)
         self._loop.Reset(self.context)
         self._simulator.Initialize()
+        self._planner(start, np.zeros_like(start), start, self._duration)  # compiles what the first reach needs
         for name, (least, most, step, value) in SLIDERS.items():
             self.meshcat.AddSlider(name, least, most, step, value)
         self.meshcat.AddSlider(LAG, 0.0, 1000.0, 1.0, 0.0)

@@ -1,0 +1,33 @@
+"""The shipped policies of the repertoires are as exact as the documentation says, in movements never seen."""
+
+import numpy as np
+import pytest
+
+from drakearm.experiments import scenario_files
+from drakearm.experiments.environments import scenario_task
+from drakearm.planning import plan_library
+from drakearm.repertoire import held_out_errors, load_repertoire, repertoire_files
+from drakearm.repertoire.shipped import shipped_errors, shipped_policy
+
+FRESH = 20261129  # a seed with which nothing was trained or chosen
+LIGHT = [name for name in scenario_files() if name.split("-")[1] not in ("5kg", "10kg", "20kg")]
+
+
+@pytest.mark.parametrize("name", repertoire_files())
+def test_every_repertoire_has_a_policy_that_fits_it(name, arm):
+    errors, repertoire, policy = shipped_errors(name), load_repertoire(name), shipped_policy(name)
+    assert errors["repertoire"] == policy.metadata["repertoire"] == name
+    movements = repertoire.movements
+    tasks = repertoire.tasks(plan_library(arm, movements.source, 12, FRESH))
+    policy.check(tasks[0])
+    found = held_out_errors(tasks, policy.act)
+    assert np.median(found.mean) < 0.015 and np.median(found.hand) < 0.4
+
+
+def test_the_shipped_movements(arm):
+    """None of them was trained. The policy is not told the load."""
+    repertoire, policy = load_repertoire("reaching"), shipped_policy("reaching")
+    tasks = [scenario_task(name) for name in LIGHT]
+    errors = held_out_errors([repertoire.task(task.reference, task.load_mass) for task in tasks], policy.act)
+    for name, error in zip(LIGHT, errors.mean, strict=True):
+        assert error <= (0.008 if name.startswith("reach") else 0.015), f"{name}: {error:.4f} rad"
