@@ -40,8 +40,8 @@ def learn(
 ) -> None:
     """Learn one policy for many movements: plan a library of them, train, and test on movements never seen.
 
-    Writes library.npz and held_out.npz (the movements), policy.safetensors, training.csv and errors.json into the
-    folder. A library that is there already is kept. `drakearm move --policy FILE` makes any movement with the policy.
+    Writes library.npz and held_out.npz (the movements), policy.safetensors, training.csv, errors.json and errors.png
+    into the folder. A library that is there already is kept. `drakearm move --policy FILE` moves with the policy.
     """
     import_own_code(imports)
     from drakearm.repertoire import learn_repertoire, load_repertoire

@@ -8,8 +8,8 @@ gradients are in `drakearm.learning.learners`.
 import json
 import math
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from copy import deepcopy
 from dataclasses import asdict
 from pathlib import Path
@@ -29,24 +29,10 @@ from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
 from drakearm.learning.policy import Actor, Critic, Policy
 from drakearm.learning.ppo_settings import PpoSettings
 from drakearm.learning.rollout import Collector, Rollout, gae
+from drakearm.learning.threads import one_thread
 
 
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Limits torch to one thread inside the `with` block.
-
-    The networks are too small to be worth several threads, and the idle threads of a pool keep cores busy: with two
-    pools on two cores, training was a hundred times slower.
-    """
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
-
-
-@_one_thread()
+@one_thread()
 def train(
     envs: VectorEnv,
     settings: PpoSettings,

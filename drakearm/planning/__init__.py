@@ -14,7 +14,7 @@ from drakearm.planning.feasibility import Feasibility, muscle_feasibility
 from drakearm.planning.hand_costs import HandPosition, ObstacleDistance
 from drakearm.planning.library import Library, plan_library
 from drakearm.planning.movement import Movement
-from drakearm.planning.movement_source import MovementSource, Reaches
+from drakearm.planning.movement_source import Mixture, MovementSource, Reaches
 from drakearm.planning.planner import plan
 from drakearm.planning.planning_model import PlanningModel
 from drakearm.planning.problem import Problem
@@ -31,6 +31,7 @@ __all__ = [
     "HandPosition",
     "HeldJoint",
     "Library",
+    "Mixture",
     "Movement",
     "MovementSource",
     "ObstacleDistance",

@@ -1,9 +1,10 @@
 """Sources of movements: where the movements come from that one policy shall learn."""
 
+from dataclasses import replace
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, InstanceOf, field_validator
+from pydantic import BeforeValidator, Field, InstanceOf, field_validator, model_validator
 from pydantic.dataclasses import dataclass
 
 from drakearm.errors import PlanningError
@@ -15,6 +16,7 @@ from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import hand_motion
 from drakearm.planning.costs import Cost
 from drakearm.planning.movement import Movement
+from drakearm.planning.reach import reach
 
 _TRIES = 10_000  # postures that are drawn until the hand is where it should be
 
@@ -60,9 +62,10 @@ class Reaches(MovementSource):
     duration: tuple[_Seconds, _Seconds]
     load_mass: tuple[_Kilograms, _Kilograms] = (0.0, 0.0)
     hold: Annotated[NonNegative, Field(le=60.0)] = 0.2  # s of rest after the end
-    speed_limit: tuple[Positive, ...]  # rad/s, per coordinate
-    torque_limit: tuple[Positive, ...]  # Nm, per coordinate
-    costs: Annotated[list[Cost], Field(min_length=1, max_length=50)]
+    # The three that follow are by default those of `drakearm.planning.reach`, as in the shipped reaches.
+    speed_limit: tuple[Positive, ...] | None = None  # rad/s, per coordinate
+    torque_limit: tuple[Positive, ...] | None = None  # Nm, per coordinate
+    costs: Annotated[list[Cost], Field(min_length=1, max_length=50)] | None = None
 
     @field_validator("start_deg", "target_deg")
     @classmethod
@@ -88,15 +91,9 @@ class Reaches(MovementSource):
             raise PlanningError("The source finds no target: expected wider ranges of target_deg or target_box.")
         shortest, longest = (round(limit / CONTROL_STEP) for limit in self.duration)
         steps = int(rng.integers(shortest, longest, endpoint=True))
-        movement = Movement(
-            start_deg=tuple(start.tolist()),
-            target_deg=tuple(target.tolist()),
-            duration=round(steps * CONTROL_STEP, 6),
-            hold=self.hold,
-            speed_limit=self.speed_limit,
-            torque_limit=self.torque_limit,
-            costs=self.costs,
-        )
+        usual = reach(start.tolist(), target.tolist(), steps * CONTROL_STEP, self.hold)
+        own = {name: getattr(self, name) for name in ("speed_limit", "torque_limit", "costs")}
+        movement = replace(usual, **{name: value for name, value in own.items() if value is not None})
         return Drawn(movement, float(rng.uniform(*self.load_mass)))
 
     def _hand_is_there(self, arm: Arm, target: np.ndarray) -> bool:
@@ -106,3 +103,22 @@ class Reaches(MovementSource):
         p_WH = hand_motion(MakeTorqueArm(arm), arm, q, np.zeros_like(q))[0][0]
         lowest, highest = self.target_box
         return bool(np.all(p_WH >= lowest) and np.all(p_WH <= highest))
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Mixture(MovementSource):
+    """Movements of several sources. Each movement comes from one of them, which is drawn with the chances `shares`."""
+
+    type = "mixture"
+    sources: Annotated[list[Source], Field(min_length=1, max_length=50)]
+    shares: Annotated[list[Positive], Field(min_length=1, max_length=50)]  # one per source; their sum need not be 1
+
+    @model_validator(mode="after")
+    def _one_share_each(self) -> "Mixture":
+        if len(self.shares) != len(self.sources):
+            raise ValueError(f"found {len(self.shares)} shares, expected {len(self.sources)}, one per source")
+        return self
+
+    def draw(self, arm: Arm, rng: np.random.Generator) -> Drawn:
+        shares = np.array(self.shares) / np.sum(self.shares)
+        return self.sources[int(rng.choice(len(shares), p=shares))].draw(arm, rng)

@@ -11,6 +11,7 @@ from drakearm.errors import PlanningError
 from drakearm.experiments.metrics import run_metrics, run_policy
 from drakearm.figures import Movement, write_movement_picture, write_plan_picture
 from drakearm.learning import Policy
+from drakearm.learning.threads import one_thread
 from drakearm.model import Recording, load_arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.planning import PlanningModel, muscle_feasibility, plan, posture_at, reach
@@ -56,6 +57,7 @@ class Move:
         return files
 
 
+@one_thread()
 def move(
     repertoire: Repertoire,
     policy: Policy,

@@ -11,7 +11,7 @@ from drakearm.learning import Policy
 from drakearm.repertoire.repertoire import Repertoire, load_repertoire, repertoire_files
 from drakearm.repertoire.steps import FILES
 
-_SHIPPED = ("policy", "errors", "repertoire")
+_SHIPPED = ("policy", "errors", "picture", "repertoire")
 
 
 def shipped_policy(name: str) -> Policy:

@@ -15,6 +15,7 @@ from drakearm.files.writing import replacement
 from drakearm.learning import ArmVectorEnv, BatchReport, Policy, prepare, train
 from drakearm.model import load_arm
 from drakearm.planning.library import Library, plan_library
+from drakearm.repertoire.errors_picture import write_errors_picture
 from drakearm.repertoire.errors_table import held_out_errors
 from drakearm.repertoire.repertoire import Movements, Repertoire, find_repertoire, load_repertoire
 
@@ -27,6 +28,7 @@ FILES = {
     "policy": "policy.safetensors",
     "log": "training.csv",
     "errors": "errors.json",
+    "picture": "errors.png",
 }
 OnPlanned = Callable[[int, int], None]
 
@@ -91,7 +93,7 @@ def learn_repertoire(
         "settings": asdict(settings),
         "planning_seconds": planned - start,
         "training_seconds": trained - planned,
-        "held_out": evaluate_repertoire(repertoire, policy, path["held_out"], on_planned),
+        "held_out": evaluate_repertoire(repertoire, policy, path["held_out"], path["picture"], on_planned),
         "versions": versions(),
     }
     with replacement(path["errors"]) as partial:
@@ -100,17 +102,20 @@ def learn_repertoire(
 
 
 def evaluate_repertoire(
-    repertoire: Repertoire, policy: Policy, file: Path, on_planned: OnPlanned | None = None
+    repertoire: Repertoire, policy: Policy, file: Path, picture: Path, on_planned: OnPlanned | None = None
 ) -> dict[str, Any]:
     """The errors of a policy in HELD_OUT movements that it has not seen, and those of static optimization.
 
-    file: of the library with these movements, which is planned if it does not exist.
+    file: of the library with these movements, which is planned if it does not exist. picture: where the errors are
+    drawn.
     """
     movements = replace(repertoire.movements, count=HELD_OUT, seed=(repertoire.movements.seed + HELD_OUT_SEED) % 2**32)
     tasks = repertoire.tasks(library_of(repertoire, movements, file, on_planned))
     policy.check(tasks[0])
+    errors = held_out_errors(tasks, policy.act)
+    write_errors_picture(picture, tasks, policy.act, errors, repertoire.name)
     return {
-        "policy": held_out_errors(tasks, policy.act).summary(),
+        "policy": errors.summary(),
         "static optimization, told the load": held_out_errors(tasks, None).summary(),
     }
 

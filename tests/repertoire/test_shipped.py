@@ -10,7 +10,8 @@ from drakearm.repertoire import held_out_errors, load_repertoire, repertoire_fil
 from drakearm.repertoire.shipped import shipped_errors, shipped_policy
 
 FRESH = 20261129  # a seed with which nothing was trained or chosen
-LIGHT = [name for name in scenario_files() if name.split("-")[1] not in ("5kg", "10kg", "20kg")]
+HEAVY = ("lift-5kg", "lift-10kg", "lift-20kg")
+LIGHT = [name for name in scenario_files() if not name.startswith(HEAVY)]
 
 
 @pytest.mark.parametrize("name", repertoire_files())
