@@ -41,7 +41,8 @@ CONNECTIONS = {
 OTHER_PROGRAMS = {"subprocess", "pty"}
 MAY_IMPORT = {
     "drakearm/muscle/compile_cache.py": {"pickle"},  # checked with a checksum, see the file
-    "drakearm/reproduction/backends.py": {"joblib"},  # no file: it exchanges messages with its own workers
+    "drakearm/planning/library.py": {"joblib"},  # no file: it exchanges messages with its own workers
+    "drakearm/reproduction/backends.py": {"joblib"},  # the same
     "drakearm/reproduction/sweep.py": {"joblib"},
 }
 MAY_LOAD_YAML = {"drakearm/files/reading.py": "_Loader", "drakearm/experiments/catalog.py": "_FastLoader"}

@@ -67,7 +67,7 @@ def _draw_groups(panel: Axes, values: np.ndarray, errors: Errors, label: str) ->
     if np.ptp(values) == 0.0:
         _draw_spread(panel, [float(values[0])], [errors], label)
         return
-    groups = np.array_split(np.argsort(values), _GROUPS)
+    groups = np.array_split(np.argsort(values), min(_GROUPS, len(values)))
     _draw_spread(
         panel,
         [float(values[g].mean()) for g in groups],

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from drakearm.errors import PlanningError, RunFolderError
 from drakearm.model import MakeTorqueArm
 from drakearm.model.skeleton import hand_motion
-from drakearm.planning import Library, Reaches, muscle_feasibility, plan_library
+from drakearm.planning import Library, Mixture, Reaches, muscle_feasibility, plan_library
 from drakearm.planning.costs import Posture, TorqueRate
 
 SOURCE = Reaches(
@@ -73,3 +73,12 @@ def test_what_no_muscle_can_do_is_said(arm, monkeypatch):
 def test_a_range_begins_with_the_smaller_number():
     with pytest.raises(ValidationError, match="the smaller number first"):
         replace(SOURCE, duration=(0.6, 0.4))
+
+
+def test_a_mixture_draws_from_each_source_by_its_share(arm):
+    heavy = replace(SOURCE, load_mass=(5.0, 6.0))
+    rng = np.random.default_rng(0)
+    loads = [Mixture(sources=[SOURCE, heavy], shares=[1.0, 3.0]).draw(arm, rng).load_mass for _ in range(200)]
+    assert np.mean(np.array(loads) > 4.0) == pytest.approx(0.75, abs=0.1)
+    with pytest.raises(ValidationError, match="found 1 shares, expected 2"):
+        Mixture(sources=[SOURCE, heavy], shares=[1.0])

@@ -11,8 +11,9 @@ def small(tmp_path_factory):
     """A file like `reaching`, with two movements and one batch."""
     fields = yaml.safe_load(repertoire_files()["reaching"].read_text())
     fields["name"] = "small"
-    fields["movements"]["count"] = 2
-    fields["movements"]["source"] |= {"start_deg": [[-30, 0], [60, 90]], "target_deg": [[-30, 0], [60, 90]], "hold": 0}
+    postures = [[-30, 0], [60, 90]]
+    source = {"type": "reaches", "start_deg": postures, "target_deg": postures, "duration": [0.4, 0.5]}
+    fields["movements"] = {"count": 2, "source": source}
     fields["training"] = {"batches": 1, "environments": 4, "minibatches": 2, "imitation_rounds": 1}
     file = tmp_path_factory.mktemp("repertoire") / "small.yaml"
     file.write_text(yaml.safe_dump(fields))
