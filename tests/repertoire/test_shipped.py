@@ -31,4 +31,4 @@ def test_the_shipped_movements(arm):
     tasks = [scenario_task(name) for name in LIGHT]
     errors = held_out_errors([repertoire.task(task.reference, task.load_mass) for task in tasks], policy.act)
     for name, error in zip(LIGHT, errors.mean, strict=True):
-        assert error <= (0.008 if name.startswith("reach") else 0.015), f"{name}: {error:.4f} rad"
+        assert error <= (0.016 if name.startswith("reach") else 0.025), f"{name}: {error:.4f} rad"
