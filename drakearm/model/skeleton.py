@@ -19,7 +19,8 @@ _LOAD_COLOR = np.array([0.25, 0.27, 0.30, 1.0])
 
 def load_inertia(mass: float) -> SpatialInertia:
     """The inertia of a load of this mass (kg), which is a ball of iron, about its center."""
-    return SpatialInertia.SolidSphereWithMass(mass, _radius(mass)) if mass > 0.0 else SpatialInertia.Zero()
+    radius = _radius(mass)  # 0 also for a mass so small that it underflows
+    return SpatialInertia.SolidSphereWithMass(mass, radius) if radius > 0.0 else SpatialInertia.Zero()
 
 
 def _radius(mass: float) -> float:
@@ -44,7 +45,7 @@ def add_skeleton(
     if load_mass > 0.0 or variable_load:
         load = plant.AddRigidBody(LOAD, model, load_inertia(load_mass))
         plant.WeldFrames(plant.GetFrameByName(arm.load_frame, model), load.body_frame())
-        if load_mass > 0.0 and plant.geometry_source_is_registered():
+        if _radius(load_mass) > 0.0 and plant.geometry_source_is_registered():
             plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(_radius(load_mass)), LOAD, _LOAD_COLOR)
     return model
 

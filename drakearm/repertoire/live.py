@@ -51,6 +51,9 @@ class _LivePush(Perturbation):
         return total.get_output_port()
 
 
+del Perturbation._kinds[_LivePush.type]  # files cannot name it
+
+
 class Live:
     """The simulated arm, the page with its controls, and how far the page lags behind real time.
 

@@ -67,7 +67,7 @@ def paper_observation(task: TrackingTask) -> TrackingTask:
 @contextmanager
 def without_rehearsal() -> Iterator[None]:
     """The expert aims at the reference."""
-    with patch("drakearm.learning.imitation.rehearse", lambda tasks: None):
+    with patch("drakearm.learning.imitation.rehearse", lambda tasks, stiffness: None):
         yield
 
 

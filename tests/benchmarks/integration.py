@@ -70,7 +70,7 @@ class FirstOrderMuscles(HillMuscles):
     def _step(self, context, state):
         excitation, arm_state = self._excitation.Eval(context), self._arm_state.Eval(context)
         held = (state.get_mutable_value(0), state.get_mutable_value(1))
-        first_order_step(*held, excitation, arm_state, self.time_step, *self._tables)
+        first_order_step(*held, excitation, arm_state, self.time_step, *self._tables(context))
 
 
 @dataclass(frozen=True)
