@@ -50,6 +50,12 @@ def test_policy_in_meshcat(tmp_path, capsys):
     assert "http://localhost" in capsys.readouterr().out
 
 
+def test_figure_eight(tmp_path, capsys):
+    load("figure_eight").main(str(tmp_path / "eight.png"))
+    assert (tmp_path / "eight.png").stat().st_size > 10_000
+    assert float(capsys.readouterr().out.split()[-4]) < 1.5  # cm, at most
+
+
 def test_own_cost(capsys):
     plan = load("own_cost").main()
     printed = dict(line.split() for line in capsys.readouterr().out.splitlines())
