@@ -107,21 +107,16 @@ def AddTrackingTask(
         reference = builder.AddNamedSystem("reference", ReferenceSource(task.reference, task.lookahead))
     body = {"arm_state": arm.plant.get_state_output_port()}
     body |= {name: arm.muscles.GetOutputPort(name) for name in OF_BODY if arm.muscles.HasOutputPort(name)}
-    signals = (
-        body
-        | {
-            "arm_acceleration": arm.plant.get_generalized_acceleration_output_port(),
-        }
-        | {name: reference.GetOutputPort(name) for name in ("reference", "preview_q", "preview_v")}
-    )
+    signals = body | {name: reference.GetOutputPort(name) for name in ("reference", "preview_q", "preview_v")}
+    signals["arm_acceleration"] = arm.plant.get_generalized_acceleration_output_port()
     proprioception = builder.AddNamedSystem("proprioception", Proprioception(task))
-    if "tracking_error" in (*proprioception.observation.reads, *task.reward.reads):
+    read = {*proprioception.observation.reads, *task.reward.reads}
+    if "tracking_error" in read:
         body["tracking_error"] = signals["tracking_error"] = _difference(
             builder, signals["reference"], signals["arm_state"]
         )
     reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
     excitation = arm.muscles.GetInputPort("excitation")
-    read = {*proprioception.observation.reads, *task.reward.reads}
     if perturbations or read & {"excitation", "recent_excitation"}:
         shared = builder.AddNamedSystem("excitation", PassThrough(n))
         perturbed = signals["excitation"] = shared.get_output_port()

@@ -1,24 +1,15 @@
 """`drakearm live`."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drakearm.cli.console import say
-from drakearm.cli.options import path, whole_number
+from drakearm.cli.options import LearnedPolicy, whole_number
 
 
 def live(
-    policy: Annotated[
-        Path | None,
-        typer.Option(
-            help="A policy that `drakearm learn` wrote. [default: the shipped one for `reaching`]",
-            metavar="FILE",
-            parser=path,
-            show_default=False,
-        ),
-    ] = None,
+    policy: LearnedPolicy = None,
     port: Annotated[
         int | None,
         typer.Option(

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.cli.options import duration, path
+from drakearm.cli.options import LearnedPolicy, duration, path
 
 _FOLDER = Path("runs", "move")
 
@@ -37,15 +37,7 @@ def move(
             show_default=False,
         ),
     ] = None,
-    policy: Annotated[
-        Path | None,
-        typer.Option(
-            help="A policy that `drakearm learn` wrote. [default: the shipped one for `reaching`]",
-            metavar="FILE",
-            parser=path,
-            show_default=False,
-        ),
-    ] = None,
+    policy: LearnedPolicy = None,
     out: Annotated[
         Path | None,
         typer.Option(

@@ -101,6 +101,15 @@ Env = Annotated[
     EnvKind, typer.Option(help="Train on compiled arms, or on Drake Diagrams: the same arm, but slower to simulate.")
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results of an earlier run.")]
+LearnedPolicy = Annotated[
+    Path | None,
+    typer.Option(
+        help="A policy that `drakearm learn` wrote. [default: the shipped one for `reaching`]",
+        metavar="FILE",
+        parser=path,
+        show_default=False,
+    ),
+]
 Import = Annotated[
     list[str] | None,
     typer.Option(

@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
@@ -31,11 +32,18 @@ def scenario_descriptions() -> dict[str, str]:
 
 def find_scenario(scenario: str | Path) -> Path:
     """The file of a shipped scenario, or the given path. Raises ScenarioError, listing the names, if there is none."""
-    shipped = scenario_files()
-    file = shipped.get(str(scenario), Path(scenario))
+    return find_file(scenario, scenario_files(), "scenario")
+
+
+def find_file(given: str | Path, shipped: Mapping[str, Path], what: str) -> Path:
+    """The shipped file of this name, or the given path. what: scenario, or whatever the files are.
+
+    Raises ScenarioError, listing the names, if there is none.
+    """
+    file = shipped.get(str(given), Path(given))
     if not os.path.isfile(file):  # also if its name is too long or has a NUL character
         raise ScenarioError(
-            f"There is no scenario {shown(str(scenario))}{did_you_mean(str(scenario), shipped)}: "
+            f"There is no {what} {shown(str(given))}{did_you_mean(str(given), shipped)}: "
             f"expected the path of a file or one of {', '.join(shipped)}."
         )
     return file

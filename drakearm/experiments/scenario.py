@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from pydantic import BeforeValidator, Field, InstanceOf, TypeAdapter, ValidationError, field_validator
@@ -25,6 +25,7 @@ from drakearm.model.reference import Reference
 from drakearm.planning import Movement
 from drakearm.task import OBSERVATIONS, ReferenceStart, Reward, RewardWeights, TrackingTask, observation_set
 
+_WithArm = TypeVar("_WithArm", bound=Any)
 ArmName = Annotated[PlainText, Field(min_length=1, max_length=1000)]
 
 
@@ -97,13 +98,21 @@ class Scenario:
 
 def load_scenario(scenario: str | Path) -> Scenario:
     """Loads a shipped scenario by its name, or a file. Raises ScenarioError, which names file and field, if invalid."""
-    file = find_scenario(scenario)
+    loaded = read_file(find_scenario(scenario), Scenario)
+    if loaded.preset is Preset.paper:
+        return replace(loaded, training=PAPER, tracking=replace(loaded.tracking, observation="paper"))
+    return loaded
+
+
+def read_file(file: Path, kind: type[_WithArm]) -> _WithArm:
+    """Reads a dataclass that has a field `arm`. The folder of an arm may be relative to the file.
+
+    Raises ScenarioError, which names file and field, if the content is invalid.
+    """
     content = read_yaml(file, ScenarioError)
     try:
-        loaded = TypeAdapter(Scenario).validate_python(content)
+        loaded = TypeAdapter(kind).validate_python(content)
     except ValidationError as error:
-        raise ScenarioError(describe(error, file, content, Scenario)) from error
-    if loaded.preset is Preset.paper:
-        loaded = replace(loaded, training=PAPER, tracking=replace(loaded.tracking, observation="paper"))
+        raise ScenarioError(describe(error, file, content, kind)) from error
     own = file.resolve().parent / loaded.arm
     return replace(loaded, arm=str(own)) if os.path.isfile(own / "muscles.yaml") else loaded

@@ -199,10 +199,8 @@ class ArmVectorEnv(VectorEnv):
 
     def _observe(self) -> np.ndarray:
         late = self._past.delayed(self._delay)
-        reads = self._observation.reads
-        return self._observation({n: late.get(n) if n in late else self._signals[n]() for n in reads}).astype(
-            np.float32
-        )
+        present = {name: self._signals[name]() for name in self._observation.reads if name not in late}
+        return self._observation(present | late).astype(np.float32)
 
     def _reward(self) -> np.ndarray:
         rewards, reward_of_arm = self._distinct_rewards, self._reward_of_task[self.task_of_arm]

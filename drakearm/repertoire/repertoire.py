@@ -1,19 +1,16 @@
 """Repertoires: YAML files that say which movements one policy learns, and how. drakearm ships some."""
 
-import os
 from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from drakearm.errors import ScenarioError, did_you_mean, shown
-from drakearm.experiments.scenario import ArmName, Tracking
-from drakearm.files import read_yaml
+from drakearm.experiments.catalog import find_file
+from drakearm.experiments.scenario import ArmName, Tracking, read_file
 from drakearm.files.fields import STRICT, FileName, PlainText, Whole
-from drakearm.files.problems import describe
 from drakearm.learning import PpoSettings
 from drakearm.model import load_arm
 from drakearm.model.reference import Reference
@@ -75,23 +72,9 @@ def repertoire_files() -> dict[str, Path]:
 
 def find_repertoire(repertoire: str | Path) -> Path:
     """The file of a shipped repertoire, or the given path. Raises ScenarioError, with all names, if there is none."""
-    shipped = repertoire_files()
-    file = shipped.get(str(repertoire), Path(repertoire))
-    if not os.path.isfile(file):
-        raise ScenarioError(
-            f"There is no repertoire {shown(str(repertoire))}{did_you_mean(str(repertoire), shipped)}: "
-            f"expected the path of a file or one of {', '.join(shipped)}."
-        )
-    return file
+    return find_file(repertoire, repertoire_files(), "repertoire")
 
 
 def load_repertoire(repertoire: str | Path) -> Repertoire:
     """Loads a shipped repertoire by its name, or a file. Raises ScenarioError, with file and field, if invalid."""
-    file = find_repertoire(repertoire)
-    content = read_yaml(file, ScenarioError)
-    try:
-        loaded = TypeAdapter(Repertoire).validate_python(content)
-    except ValidationError as error:
-        raise ScenarioError(describe(error, file, content, Repertoire)) from error
-    own = file.resolve().parent / loaded.arm
-    return replace(loaded, arm=str(own)) if os.path.isfile(own / "muscles.yaml") else loaded
+    return read_file(find_repertoire(repertoire), Repertoire)

@@ -1,7 +1,7 @@
 """The episode: how one run of a task starts, and how its arm differs from the one that the controller expects.
 
 To make a randomization of your own, derive a frozen dataclass from `Randomization` and put an instance into
-`TrackingTask.randomization`. With a `type` of its own it can also stand in scenario files.
+`TrackingTask.randomization`. With a `type` of its own it can also stand in repertoire files.
 """
 
 from typing import Annotated, NamedTuple
