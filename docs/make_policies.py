@@ -10,9 +10,10 @@ import tempfile
 from pathlib import Path
 
 from drakearm.experiments import RunFolder, evaluate_step, plan_step, scenario_files, train_step
-from drakearm.experiments.shipped import POLICIES, ship
+from drakearm.experiments.catalog import POLICIES
+from drakearm.experiments.shipped import ship
+from drakearm.repertoire.folder import FILES
 from drakearm.repertoire.shipped import ship as ship_repertoire
-from drakearm.repertoire.steps import FILES
 from drakearm.reproduction.trial import Method
 
 QUICK = "timing-0.4s"

@@ -8,6 +8,7 @@ import typer
 
 from drakearm.cli.console import console, say
 from drakearm.cli.options import LearnedPolicy, duration, path
+from drakearm.cli.quick_imports import quick_imports
 
 _FOLDER = Path("runs", "move")
 
@@ -58,8 +59,11 @@ def move(
     `drakearm move --to 0.4 0.6` reaches forward. `drakearm move --to 0.3 0.5 --load 1.5 --in 0.8` carries 1.5 kg.
     """
     began = time.perf_counter()
-    from drakearm.repertoire.move import move
-    from drakearm.repertoire.shipped import policy_and_repertoire
+    with quick_imports():
+        # First, because Drake's templates look at all modules and at all imports that wait: there are few of them yet.
+        import drakearm.systems  # noqa: F401
+        from drakearm.repertoire.move import move
+        from drakearm.repertoire.shipped import policy_and_repertoire
 
     chosen, repertoire = policy_and_repertoire(policy)
     made = move(repertoire, chosen, to, start_deg=start, duration=seconds, load_mass=load, avoid=avoid)

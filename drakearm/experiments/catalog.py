@@ -10,6 +10,7 @@ import yaml
 from drakearm.errors import ScenarioError, did_you_mean, shown
 
 _SHIPPED = Path(__file__).parent / "scenarios"
+POLICIES = Path(__file__).parents[1] / "policies"  # one folder per shipped scenario or repertoire
 _FastLoader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without its C part
 
 

@@ -4,12 +4,11 @@ import json
 import shutil
 from pathlib import Path
 
-from drakearm.experiments.catalog import find_scenario, scenario_files
+from drakearm.experiments.catalog import POLICIES, find_scenario, scenario_files
 from drakearm.experiments.run_folder import STEPS, RunFolder
 from drakearm.experiments.steps import plan_step
 from drakearm.model.loader import arm_folder
 
-POLICIES = Path(__file__).parents[1] / "policies"
 _FILES = (*STEPS["train"].files, "metrics")  # of a run, by their names in RunFolder
 
 

@@ -10,8 +10,8 @@ from gymnasium.vector.utils import batch_space
 
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
-from drakearm.learning.checkpoint import generator_state, restored_generator
 from drakearm.learning.compiled_arm import CompiledArms
+from drakearm.learning.generator_state import generator_state, restored_generator
 from drakearm.learning.past_signals import PastSignals
 from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.dynamics_table import DynamicsTable

@@ -102,9 +102,3 @@ def flat_weights(module: nn.Module) -> nn.Parameter:
         parameter.data = view
         parameter.grad = gradients[: parameter.numel()].view_as(parameter)
     return flat
-
-
-def separate_weights(module: nn.Module) -> None:
-    """Undoes `flat_weights`: each parameter gets its own memory again, without a gradient."""
-    for parameter in module.parameters():
-        parameter.data, parameter.grad = parameter.data.clone(), None

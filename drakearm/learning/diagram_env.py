@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context, Diagram
 
 from drakearm.diagrams import MakeSimulator
 from drakearm.errors import ActionError
-from drakearm.learning.checkpoint import generator_state, restored_generator
+from drakearm.learning.generator_state import generator_state, restored_generator
 
 Reset = Callable[[Context, np.random.Generator], object]
 

@@ -15,7 +15,7 @@ from drakearm.learning.backprop import Backprop
 from drakearm.learning.expert import STIFFNESS, StaticExpert
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.learners import Learner
-from drakearm.learning.policy import Actor
+from drakearm.learning.networks import Actor
 from drakearm.learning.rehearsal import rehearse
 from drakearm.task import TrackingTask
 
@@ -51,7 +51,7 @@ def imitate(
     for number in range(1, rounds + 1):
         observations, excitations = _collect(envs, expert, None if number == 1 else actor, scaling, seed + number)
         if number == 1:
-            scaling = InputScaling.of(observations)
+            scaling = InputScaling.of(observations.numpy())
             observations = torch.tensor(scaling(observations.numpy()))
         all_observations.append(observations)
         all_excitations.append(excitations)

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-import torch
-from torch import Tensor, nn
 
 _LEAST_DEVIATION = 0.02  # of an observation, which is near 1: smaller variations are not stretched further
 
@@ -14,17 +12,17 @@ class InputScaling:
     """Standardizes observations: minus their mean, divided by their standard deviation. Arrays (n_obs,), float32.
 
     A network learns faster from numbers that all vary by about 1 (LeCun et al. 1998, "Efficient backprop", section
-    4.3). But the fiber lengths of a movement vary by a few percent only. After the training, `fold` puts the scaling
-    into the network, which then takes observations as they are.
+    4.3). But the fiber lengths of a movement vary by a few percent only. After the training, `folded` puts the
+    scaling into the network, which then takes observations as they are.
     """
 
     mean: np.ndarray
     scale: np.ndarray
 
     @classmethod
-    def of(cls, observations: Tensor) -> "InputScaling":
+    def of(cls, observations: np.ndarray) -> "InputScaling":
         """The scaling that standardizes these observations (n, n_obs)."""
-        samples = observations.numpy().astype(np.float64)
+        samples = observations.astype(np.float64)
         scale = 1.0 / (samples.std(axis=0) + _LEAST_DEVIATION)
         return cls(samples.mean(axis=0).astype(np.float32), scale.astype(np.float32))
 
@@ -37,12 +35,8 @@ class InputScaling:
         """The standardized observations (..., n_obs)."""
         return (observations - self.mean) * self.scale
 
-    @torch.no_grad()
-    def fold(self, network: nn.Sequential) -> None:
-        """Changes the first layer of a network so that it takes observations that are not standardized."""
-        first = network[0]
-        assert isinstance(first, nn.Linear)
-        weight = first.weight.cpu().numpy().astype(np.float64) * self.scale
-        bias = first.bias.cpu().numpy() - (weight * self.mean).sum(axis=1)
-        first.weight.copy_(torch.from_numpy(weight))
-        first.bias.copy_(torch.from_numpy(bias))
+    def folded(self, weight: np.ndarray, bias: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weight (n, n_obs) and bias (n,) of a first layer that takes observations that are not standardized."""
+        unscaled = weight.astype(np.float64) * self.scale
+        shifted = bias - (unscaled * self.mean).sum(axis=1)
+        return unscaled.astype(np.float32), shifted.astype(np.float32)

@@ -14,7 +14,7 @@ from torch import Tensor, nn
 
 from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop, flat_weights, gradient
-from drakearm.learning.policy import Actor, Critic
+from drakearm.learning.networks import Actor, Critic
 
 _MOMENTS = ("step", "exp_avg", "exp_avg_sq")  # what Adam remembers
 

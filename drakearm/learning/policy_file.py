@@ -10,11 +10,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
-import torch
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError, field_validator, model_validator
 from pydantic.dataclasses import dataclass
 from safetensors import safe_open
-from torch import Tensor
 
 from drakearm.errors import PolicyFileError, shown
 from drakearm.files import parse_json
@@ -59,15 +59,28 @@ class PolicyHeader:
         return self
 
     @property
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """The shapes of all weights: of the linear layers, of the standard deviations, and of the PReLUs' slopes."""
+        shapes: dict[str, tuple[int, ...]] = {"actor.log_std": (len(self.low),)}
+        for network, layers, outputs in (
+            ("actor.mean", self.actor_layers, len(self.low)),
+            ("critic.value", self.critic_layers, 1),
+        ):
+            for number, (before, after) in enumerate(pairwise((self.n_observations, *layers, outputs))):
+                shapes[f"{network}.{2 * number}.weight"] = (after, before)
+                shapes[f"{network}.{2 * number}.bias"] = (after,)
+        slopes: dict[str, tuple[int, ...]] = {
+            f"critic.value.{2 * number + 1}.weight": (1,) for number in range(len(self.critic_layers))
+        }
+        return shapes | slopes
+
+    @property
     def n_weights(self) -> int:
-        """How many numbers the networks have: weights, biases, standard deviations, and slopes of the PReLUs."""
-        networks = [(self.actor_layers, len(self.low)), (self.critic_layers, 1)]
-        sizes = [(self.n_observations, *layers, outputs) for layers, outputs in networks]
-        linear = sum((inputs + 1) * outputs for size in sizes for inputs, outputs in pairwise(size))
-        return linear + len(self.low) + len(self.critic_layers)
+        """How many numbers the weights have."""
+        return sum(math.prod(shape) for shape in self.shapes.values())
 
 
-def read_policy(file: Path) -> tuple[PolicyHeader, dict[str, Tensor]]:
+def read_policy(file: Path) -> tuple[PolicyHeader, dict[str, NDArray[Any]]]:
     """Header and weights. Raises PolicyFileError if the file is no policy or has an invalid header."""
     texts, weights = _read(file)
     if texts.pop("format", None) != json.dumps(FORMAT):
@@ -90,7 +103,7 @@ def read_policy(file: Path) -> tuple[PolicyHeader, dict[str, Tensor]]:
         ) from error
 
 
-def _read(file: Path) -> tuple[dict[str, str], dict[str, Tensor]]:
+def _read(file: Path) -> tuple[dict[str, str], dict[str, NDArray[Any]]]:
     """The header's texts and the tensors of a safetensors file."""
     what = "expected a safetensors file that `Policy.save` wrote"
     try:
@@ -102,29 +115,26 @@ def _read(file: Path) -> tuple[dict[str, str], dict[str, Tensor]]:
             length = int.from_bytes(stream.read(8), "little")
         if length > _LARGEST_HEADER:
             raise PolicyFileError(f"{shown(file)} is damaged or not a policy file: its header is too long; {what}.")
-        with safe_open(file, framework="pt") as tensors:
+        with safe_open(file, framework="np") as tensors:
             return tensors.metadata() or {}, {name: tensors.get_tensor(name) for name in tensors.keys()}
     except PolicyFileError:
         raise
-    except Exception as error:  # for damaged bytes, safetensors and PyTorch raise errors of several types
+    except Exception as error:  # for damaged bytes, safetensors and NumPy raise errors of several types
         raise PolicyFileError(f"{shown(file)} is damaged or not a policy file: {what}.") from error
 
 
-def tensor_problem(name: str, found: Tensor | None, expected: Tensor | None) -> str | None:
-    """What is wrong with a tensor of a file, compared with that of a network; None if nothing is."""
+def tensor_problem(name: str, found: NDArray[Any] | None, expected: tuple[int, ...] | None) -> str | None:
+    """What is wrong with a tensor of a file, of which a shape is expected; None if nothing is."""
     largest = _LARGEST_LOG_STD if name == "actor.log_std" else _LARGEST_WEIGHT
     if found is None:
         return "is missing: the header does not fit its weights"
     if expected is None:
         return "found a tensor that the policy does not have: the header does not fit its weights"
-    if found.dtype != expected.dtype:
-        return f"found numbers of {found.dtype}, expected {expected.dtype}"
-    if found.shape != expected.shape:
-        return (
-            f"found the shape {shown(tuple(found.shape))}, expected {tuple(expected.shape)}: "
-            f"the header does not fit its weights"
-        )
-    if not bool(torch.all(found.abs() <= largest)):  # this is false for NaN too
+    if found.dtype != np.float32:
+        return f"found numbers of {found.dtype}, expected float32"
+    if found.shape != expected:
+        return f"found the shape {shown(found.shape)}, expected {expected}: the header does not fit its weights"
+    if not bool(np.all(np.abs(found) <= largest)):  # this is false for NaN too
         return f"found a number that is too large or not finite, expected at most {largest:g}"
     return None
 

@@ -10,7 +10,6 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from copy import deepcopy
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -21,12 +20,12 @@ from gymnasium.spaces import Box
 from gymnasium.vector import VectorEnv
 
 from drakearm.errors import TrainingError, shown
-from drakearm.learning.backprop import separate_weights
 from drakearm.learning.batch_report import BatchReport, csv_log
 from drakearm.learning.checkpoint import Checkpoint, Environments, TorchGenerator
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
-from drakearm.learning.policy import Actor, Critic, Policy
+from drakearm.learning.networks import Actor, Critic, policy_of
+from drakearm.learning.policy import Policy
 from drakearm.learning.ppo_settings import PpoSettings
 from drakearm.learning.rollout import Collector, Rollout, gae
 from drakearm.learning.threads import one_thread
@@ -62,17 +61,23 @@ def train(
     if not 0 <= seed < 2**32:
         raise TrainingError(f"The seed is {shown(seed)}: expected a whole number from 0 to 2**32 - 1.")
     generator = torch.Generator().manual_seed(seed)
-    policy = _initial_policy(observation_space, action_space, settings, metadata, generator)
+    actor, critic = _initial_networks(observation_space, action_space, settings, generator)
     inputs = json.loads(json.dumps({"seed": seed, "settings": asdict(settings), "metadata": metadata}))
     earlier = _earlier(resume_path, inputs)
-    scaling = InputScaling.none(policy.n_observations)
+    scaling = InputScaling.none(observation_space.shape[0])
     if prepare and earlier is None:
-        scaling = prepare(policy.actor)
-    policy.to("cuda" if torch.cuda.is_available() else "cpu")
-    actor = ActorLearner(policy.actor, settings.max_grad_norm, settings.clip)
-    critic = CriticLearner(policy.critic, settings.max_grad_norm, settings.value_weight)
+        scaling = prepare(actor)
+    for network in (actor, critic):
+        network.to("cuda" if torch.cuda.is_available() else "cpu")
+    actor_learner = ActorLearner(actor, settings.max_grad_norm, settings.clip)
+    critic_learner = CriticLearner(critic, settings.max_grad_norm, settings.value_weight)
     collector = Collector(envs, settings.steps, seed, scaling)
-    parts = {"actor": actor, "critic": critic, "collector": collector, "generator": TorchGenerator(generator)}
+
+    def policy() -> Policy:
+        return policy_of(actor, critic, action_space.low, action_space.high, metadata, collector.scaling)
+
+    parts: dict[str, Any] = {"actor": actor_learner, "critic": critic_learner}
+    parts |= {"collector": collector, "generator": TorchGenerator(generator)}
     if resume_path:
         parts["environments"] = Environments(envs)
     finished, steps, learning_rate = 0, 0, settings.learning_rate
@@ -86,15 +91,15 @@ def train(
         write_row = csv_log(log_path, finished, stack)
         for batch in range(finished + 1, settings.batches + 1):
             done = (batch - 1) / settings.batches
-            critic.set_learning_rate(settings.critic_learning_rate * (1.0 - done))
+            critic_learner.set_learning_rate(settings.critic_learning_rate * (1.0 - done))
             actor_learns = done >= settings.critic_share
             rate = learning_rate if settings.target_kl else settings.learning_rate * (1.0 - done)
-            actor.set_learning_rate(rate if actor_learns else 0.0)
+            actor_learner.set_learning_rate(rate if actor_learns else 0.0)
             if settings.final_std is not None:
-                policy.actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
-            rollout = collector.collect(policy.actor, generator, batch)
-            experience, explained_variance = _experience(policy, rollout, settings, generator, batch)
-            diagnostics = learn(actor, critic, experience)
+                actor.set_std(settings.initial_std ** (1.0 - done) * settings.final_std**done)
+            rollout = collector.collect(actor, generator, batch)
+            experience, explained_variance = _experience(critic, rollout, settings, generator, batch)
+            diagnostics = learn(actor_learner, critic_learner, experience)
             if settings.target_kl and actor_learns:
                 learning_rate = _adapted(learning_rate, diagnostics["approx_kl"], settings.target_kl)
 
@@ -110,31 +115,22 @@ def train(
                 seconds_left=(now - start) / (batch - finished) * (settings.batches - batch),
                 mean_reward=float(np.mean(returns)) if returns else math.nan,
                 tracking_error=rollout.tracking_error,
-                entropy=policy.actor.entropy().item(),
-                std=policy.actor.log_std.exp().mean().item(),
+                entropy=actor.entropy().item(),
+                std=actor.log_std.exp().mean().item(),
                 explained_variance=explained_variance,
                 **diagnostics,
             )
             batch_start = now
             write_row(report)
             if checkpoint_path:
-                _unscaled(policy, collector.scaling).save(checkpoint_path)
+                policy().save(checkpoint_path)
             if resume_path:
                 checkpoint = Checkpoint(inputs, {"batch": batch, "steps": steps, "learning_rate": learning_rate})
                 checkpoint.add(parts)
                 checkpoint.save(resume_path)
             if on_batch:
                 on_batch(report)
-    return _unscaled(policy, collector.scaling)
-
-
-def _unscaled(policy: Policy, scaling: InputScaling) -> Policy:
-    """A copy of the policy, on the CPU, that takes unscaled observations."""
-    copy = deepcopy(policy).cpu()
-    separate_weights(copy)
-    for network in (copy.actor.mean, copy.critic.value):
-        scaling.fold(network)
-    return copy
+    return policy()
 
 
 def _adapted(learning_rate: float, kl: float, target: float) -> float:
@@ -145,14 +141,14 @@ def _adapted(learning_rate: float, kl: float, target: float) -> float:
 
 
 def _experience(
-    policy: Policy, rollout: Rollout, settings: PpoSettings, generator: torch.Generator, number: int
+    critic: Critic, rollout: Rollout, settings: PpoSettings, generator: torch.Generator, number: int
 ) -> tuple[Batch, float]:
     """A rollout with advantages and returns, and the share of the returns' variance that the critic explains."""
-    device = policy.actor.log_std.device
+    device = next(critic.parameters()).device
     observations, valid = rollout.observations.to(device), torch.from_numpy(rollout.valid)
     with torch.no_grad():
-        all_values = policy.critic(observations)
-        next_values = policy.critic(rollout.successors.to(device))
+        all_values = critic(observations)
+        next_values = critic(rollout.successors.to(device))
     all_advantages = gae(
         rollout.rewards,
         all_values.cpu().numpy(),
@@ -179,13 +175,9 @@ def _experience(
     return batch, (1 - (returns - values).var() / returns.var()).item()
 
 
-def _initial_policy(
-    observation_space: Box,
-    action_space: Box,
-    settings: PpoSettings,
-    metadata: dict[str, Any],
-    generator: torch.Generator,
-) -> Policy:
+def _initial_networks(
+    observation_space: Box, action_space: Box, settings: PpoSettings, generator: torch.Generator
+) -> tuple[Actor, Critic]:
     n_observations = observation_space.shape[0]
     actor = Actor(
         n_observations,
@@ -196,8 +188,7 @@ def _initial_policy(
         learns_std=settings.final_std is None,
         generator=generator,
     )
-    critic = Critic(n_observations, settings.critic_layers, generator=generator)
-    return Policy(actor, critic, action_space.low, action_space.high, metadata)
+    return actor, Critic(n_observations, settings.critic_layers, generator=generator)
 
 
 def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:

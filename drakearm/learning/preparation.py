@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from drakearm.learning.imitation import imitate
 from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor
+from drakearm.learning.networks import Actor
 from drakearm.learning.ppo_settings import PpoSettings
 from drakearm.learning.survey import survey
 from drakearm.task import TrackingTask

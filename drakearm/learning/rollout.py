@@ -17,7 +17,7 @@ from torch import Tensor
 from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop
 from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor
+from drakearm.learning.networks import Actor
 
 
 def gae(

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-import torch
 
 from drakearm.learning.arm_vector_env import ArmVectorEnv
 from drakearm.learning.input_scaling import InputScaling
@@ -26,5 +25,5 @@ def survey(tasks: Sequence[TrackingTask], action: float, std: float, seed: int) 
         observation, _, _, truncated, _ = envs.step(excitation.clip(0.0, 1.0))
         moving &= ~truncated
         if not moving.any():
-            return InputScaling.of(torch.from_numpy(np.concatenate(observations)))
+            return InputScaling.of(np.concatenate(observations))
         observations.append(observation[moving])

@@ -8,7 +8,6 @@ import numpy as np
 
 from drakearm.learning import ArmVectorEnv
 from drakearm.learning.expert import StaticExpert
-from drakearm.learning.threads import one_thread
 from drakearm.model import MakeTorqueArm
 from drakearm.model.skeleton import hand_motion
 from drakearm.task import TrackingTask
@@ -37,7 +36,6 @@ class Errors(NamedTuple):
         }
 
 
-@one_thread()
 def held_out_errors(tasks: Sequence[TrackingTask], act: Act | None, *, random: bool = False, seed: int = 0) -> Errors:
     """The errors in one run of each task, without exploration.
 

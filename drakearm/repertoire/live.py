@@ -14,7 +14,6 @@ from drakearm.diagrams import MakeReachingLoop, MakeSimulator, Perturbation
 from drakearm.diagrams.muscle_arm import MuscleArm
 from drakearm.errors import PlanningError
 from drakearm.learning import Policy
-from drakearm.learning.threads import one_thread
 from drakearm.model import load_arm
 from drakearm.planning import ReachPlanner, muscle_feasibility, posture_at
 from drakearm.repertoire.move import START_DEG
@@ -100,7 +99,6 @@ class Live:
         """q and v of the joints, (2 n_q,), rad and rad/s."""
         return self._loop.diagram.GetOutputPort("arm_state").Eval(self.context)
 
-    @one_thread()
     def Run(self, refuse: Callable[[str], object]) -> None:
         """Simulates in real time until the stop button is pressed. refuse: gets a sentence for each refused target."""
         self._began = time.monotonic() - self.context.get_time()

@@ -10,9 +10,8 @@ import numpy as np
 from drakearm.errors import PlanningError
 from drakearm.experiments.metrics import run_metrics, run_policy
 from drakearm.experiments.success import HandAtGoal
-from drakearm.figures import Movement, write_movement_picture, write_plan_picture
+from drakearm.figures.movement_picture import Movement, write_movement_picture
 from drakearm.learning import Policy
-from drakearm.learning.threads import one_thread
 from drakearm.model import Recording, load_arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.planning import PlanningModel, muscle_feasibility, plan, posture_at, reach
@@ -38,11 +37,10 @@ class Move:
     metrics: dict[str, Any]
 
     def save(self, folder: Path) -> list[Path]:
-        """Writes the plan, a picture of plan and movement each, the recording and the replay. Returns the files."""
-        names = ("reference.npz", "plan.png", "recording.npz", "movement.png", "replay.html")
-        reference, plan_picture, recording, movement, replay = files = [folder / name for name in names]
+        """Writes the plan, the recording, a picture of the movement and the replay. Returns the files."""
+        names = ("reference.npz", "recording.npz", "movement.png", "replay.html")
+        reference, recording, movement, replay = files = [folder / name for name in names]
         self.task.reference.save(reference)
-        write_plan_picture(self.report, plan_picture)
         self.recording.save(recording)
         metrics = {"joints": list(self.task.arm.coordinates), "noise_free": self.metrics, "success_rate": {}}
         write_movement_picture(
@@ -59,7 +57,6 @@ class Move:
         return files
 
 
-@one_thread()
 def move(
     repertoire: Repertoire,
     policy: Policy,

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from drakearm.errors import PolicyFileError, shown
-from drakearm.experiments.shipped import POLICIES
+from drakearm.experiments.catalog import POLICIES
 from drakearm.learning import Policy
+from drakearm.repertoire.folder import FILES
 from drakearm.repertoire.repertoire import Repertoire, load_repertoire, repertoire_files
-from drakearm.repertoire.steps import FILES
 
 _SHIPPED = ("policy", "errors", "picture", "repertoire")
 

@@ -17,19 +17,11 @@ from drakearm.model import load_arm
 from drakearm.planning.library import Library, plan_library
 from drakearm.repertoire.errors_picture import write_errors_picture
 from drakearm.repertoire.errors_table import held_out_errors
+from drakearm.repertoire.folder import FILES
 from drakearm.repertoire.repertoire import Movements, Repertoire, find_repertoire, load_repertoire
 
 HELD_OUT = 200  # movements
 HELD_OUT_SEED = 2**31  # plus the seed of the repertoire: libraries are not planned with such seeds
-FILES = {
-    "repertoire": "repertoire.yaml",
-    "library": "library.npz",
-    "held_out": "held_out.npz",
-    "policy": "policy.safetensors",
-    "log": "training.csv",
-    "errors": "errors.json",
-    "picture": "errors.png",
-}
 OnPlanned = Callable[[int, int], None]
 
 

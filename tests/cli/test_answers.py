@@ -31,6 +31,19 @@ finally:
     assert done.stderr.strip() == ""
 
 
+@pytest.mark.slow
+def test_a_move_needs_no_pytorch(tmp_path):
+    code = f"""
+import sys
+from drakearm.cli import app
+app(["move", "--to", "0.4", "0.6", "--out", {str(tmp_path)!r}], standalone_mode=False)
+assert not {{"torch", "gymnasium"}} & set(sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "hand" in done.stdout and (tmp_path / "replay.html").exists()
+
+
 def test_list_shows_the_shipped_scenarios():
     printed = drakearm("list")
     for name in scenario_files():

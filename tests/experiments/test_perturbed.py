@@ -8,8 +8,7 @@ import yaml
 from drakearm.diagrams import MotorNoise, StartNoise
 from drakearm.errors import PolicyFileError, ScenarioError
 from drakearm.experiments import load_scenario, run_policy_perturbed, scenario_files
-from drakearm.learning import Policy
-from drakearm.learning.policy import Actor, Critic
+from drakearm.learning.networks import Actor, Critic, policy_of
 
 NOISE = (StartNoise(posture_deg=2.0, activation=0.05), MotorNoise(0.2))
 
@@ -17,7 +16,7 @@ NOISE = (StartNoise(posture_deg=2.0, activation=0.05), MotorNoise(0.2))
 def make_policy(n_observations):
     generator = torch.Generator().manual_seed(0)
     actor = Actor(n_observations, 14, (8,), generator=generator)
-    return Policy(actor, Critic(n_observations, (8,), generator=generator), np.zeros(14), np.ones(14), {})
+    return policy_of(actor, Critic(n_observations, (8,), generator=generator), np.zeros(14), np.ones(14), {})
 
 
 def test_each_run_has_noise_of_its_own_and_the_seed_determines_all(task):

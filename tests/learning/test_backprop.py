@@ -7,7 +7,7 @@ import torch
 from drakearm.errors import TrainingError
 from drakearm.learning.backprop import Backprop, flat_weights
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner
-from drakearm.learning.policy import Actor, Critic
+from drakearm.learning.networks import Actor, Critic
 
 ROWS = 50
 

@@ -9,8 +9,8 @@ import pytest
 import torch
 
 from drakearm.learning import Policy
-from drakearm.learning.backprop import Backprop, flat_weights, separate_weights
-from drakearm.learning.policy import Actor, Critic
+from drakearm.learning.backprop import Backprop, flat_weights
+from drakearm.learning.networks import Actor, Critic, policy_of
 
 # Plans, imitates and trains briefly, and prints hashes of the results.
 WHOLE_RUN = """
@@ -31,7 +31,7 @@ policy = train(
     metadata={},
     prepare=lambda actor: imitate(actor, [task], rounds=2, seed=3),
 )
-for arrays in ([reference.q, reference.tau], [p.detach().numpy() for p in policy.parameters()]):
+for arrays in ([reference.q, reference.tau], list(policy.weights.values())):
     print(hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest())
 """
 
@@ -55,10 +55,10 @@ def test_a_cold_and_a_warm_cache_and_one_and_more_threads_give_the_same_policy(t
 
 @pytest.mark.parametrize("layers", [(64, 64), (63, 17), (5, 3, 7)])
 def test_a_policy_acts_as_the_loaded_one_after_its_weights_were_flat(layers, tmp_path):
-    policy = Policy(Actor(29, 14, layers), Critic(29, (31,)), np.zeros(14), np.ones(14), {})
-    flat_weights(policy.actor)
-    flat_weights(policy.critic)
-    separate_weights(policy)
+    actor, critic = Actor(29, 14, layers), Critic(29, (31,))
+    flat_weights(actor)
+    flat_weights(critic)
+    policy = policy_of(actor, critic, np.zeros(14), np.ones(14), {})
     policy.save(tmp_path / "policy.safetensors")
     loaded = Policy.load(tmp_path / "policy.safetensors")
     for observation in np.random.default_rng(0).standard_normal((200, 29)):

@@ -8,7 +8,7 @@ import torch
 
 from drakearm.learning import ArmVectorEnv, imitate
 from drakearm.learning.expert import StaticExpert
-from drakearm.learning.policy import Actor
+from drakearm.learning.networks import Actor, Critic, policy_of
 
 
 def errors(envs: ArmVectorEnv, act) -> np.ndarray:
@@ -35,11 +35,11 @@ def test_the_expert_tracks_a_movement_that_the_muscles_can_follow(task, load):
 def test_an_actor_learns_to_track_by_imitation(task):
     actor, rounds = Actor(58, 14), []
     envs = ArmVectorEnv(task, 2)
-    act = lambda observation, info: actor(torch.tensor(observation)).detach().numpy().clip(0, 1)  # noqa: E731
-    assert errors(envs, act).max() > 0.2
+    untrained = policy_of(actor, Critic(58), np.zeros(14), np.ones(14), {})
+    assert errors(envs, lambda observation, info: untrained.act(observation)).max() > 0.2
     scaling = imitate(actor, [task], 3, seed=0, on_round=rounds.append)
-    scaling.fold(actor.mean)
-    assert errors(envs, act).max() < 0.02
+    policy = policy_of(actor, Critic(58), np.zeros(14), np.ones(14), {}, scaling)
+    assert errors(envs, lambda observation, info: policy.act(observation)).max() < 0.02
     assert rounds == [1, 2, 3]
 
 

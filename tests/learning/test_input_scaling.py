@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor
+from drakearm.learning.networks import Actor
 
 
 @pytest.fixture
@@ -14,20 +14,24 @@ def observations():
 
 
 def test_the_scaled_observations_have_mean_0_and_deviation_1(observations):
-    scaled = InputScaling.of(observations)(observations.numpy())
+    scaled = InputScaling.of(observations.numpy())(observations.numpy())
     np.testing.assert_allclose(scaled.mean(axis=0), 0.0, atol=1e-5)
     np.testing.assert_allclose(scaled.std(axis=0), [0.94, 0.98, 1.0], atol=0.02)
 
 
 def test_an_observation_that_never_varies_stays_finite():
-    scaled = InputScaling.of(torch.ones(10, 2))(np.array([1.0, 1.1], np.float32))
+    scaled = InputScaling.of(np.ones((10, 2)))(np.array([1.0, 1.1], np.float32))
     np.testing.assert_allclose(scaled, [0.0, 5.0], rtol=1e-5)
 
 
 def test_a_folded_network_computes_the_same_from_unscaled_observations(observations):
-    actor, scaling = Actor(3, 4, (16, 16)), InputScaling.of(observations)
+    actor, scaling = Actor(3, 4, (16, 16)), InputScaling.of(observations.numpy())
     expected = actor(torch.from_numpy(scaling(observations.numpy())))
-    scaling.fold(actor.mean)
+    first = actor.mean[0]
+    weight, bias = scaling.folded(first.weight.detach().numpy(), first.bias.detach().numpy())
+    with torch.no_grad():
+        first.weight.copy_(torch.from_numpy(weight))
+        first.bias.copy_(torch.from_numpy(bias))
     torch.testing.assert_close(actor(observations), expected, rtol=1e-4, atol=1e-5)
 
 

@@ -8,18 +8,24 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from drakearm.errors import PolicyFileError, StorageError
-from drakearm.learning.policy import Actor, Critic, Policy
+from drakearm.learning.networks import Actor, Critic, policy_of
+from drakearm.learning.policy import Policy
 
 METADATA = {"scenario": "timing", "observation": "spindles", "seed": 3, "versions": {"torch": "2"}}
 
 
 @pytest.fixture
-def policy():
+def networks():
     generator = torch.Generator().manual_seed(0)
     actor = Actor(5, 3, (16, 16), initial_action=0.2, initial_std=0.5, generator=generator)
     with torch.no_grad():
         actor.mean[-1].weight.mul_(100)  # as after training: actions differ, and some reach the bounds
-    return Policy(actor, Critic(5, (8,), generator=generator), [0, 0, 0], [1, 1, 0.1], METADATA)
+    return actor, Critic(5, (8,), generator=generator)
+
+
+@pytest.fixture
+def policy(networks):
+    return policy_of(*networks, [0, 0, 0], [1, 1, 0.1], METADATA)
 
 
 @pytest.fixture
@@ -34,18 +40,28 @@ def test_first_actions_are_near_the_initial_action_with_the_initial_std():
     np.testing.assert_allclose(actor.log_std.exp().detach(), 0.3, rtol=1e-6)
 
 
-def test_log_prob_and_entropy_are_those_of_the_gaussian(policy, observations):
+def test_log_prob_and_entropy_are_those_of_the_gaussian(networks, observations):
+    actor, _ = networks
     inputs = torch.tensor(observations, dtype=torch.float32)
     actions = torch.full((7, 4, 3), 0.7)
-    gaussian = torch.distributions.Normal(policy.actor(inputs), policy.actor.log_std.exp())
-    torch.testing.assert_close(policy.actor.log_prob(inputs, actions), gaussian.log_prob(actions).sum(-1))
-    torch.testing.assert_close(policy.actor.entropy(), gaussian.entropy()[0, 0].sum())
+    gaussian = torch.distributions.Normal(actor(inputs), actor.log_std.exp())
+    torch.testing.assert_close(actor.log_prob(inputs, actions), gaussian.log_prob(actions).sum(-1))
+    torch.testing.assert_close(actor.entropy(), gaussian.entropy()[0, 0].sum())
 
 
 def test_networks_do_not_touch_the_global_generator():
     before = torch.get_rng_state()
-    Policy(Actor(5, 3), Critic(5), [0, 0, 0], [1, 1, 1], {})
+    Actor(5, 3), Critic(5)
     assert torch.equal(before, torch.get_rng_state())
+
+
+def test_a_policy_computes_what_its_networks_do(networks, observations):
+    actor, critic = networks
+    policy = policy_of(actor, critic, [-np.inf] * 3, [np.inf] * 3, {})
+    with torch.no_grad():
+        inputs = torch.tensor(observations, dtype=torch.float32)
+        np.testing.assert_allclose(policy.act(observations), actor(inputs), rtol=1e-5, atol=1e-6)
+        np.testing.assert_allclose(policy.value(observations), critic(inputs), rtol=1e-5, atol=1e-6)
 
 
 def test_act_keeps_leading_axes_and_bounds(policy, observations):
@@ -90,8 +106,7 @@ def test_a_loaded_policy_acts_like_the_saved_one(policy, observations, tmp_path)
         loaded.act(observations, np.random.default_rng(2)),
         policy.act(observations, np.random.default_rng(2)),
     )
-    inputs = torch.tensor(observations, dtype=torch.float32)
-    assert torch.equal(loaded.critic(inputs), policy.critic(inputs))
+    np.testing.assert_array_equal(loaded.value(observations), policy.value(observations))
     assert loaded.metadata == METADATA
     assert (loaded.n_observations, loaded.n_actions) == (5, 3)
     np.testing.assert_array_equal(loaded.high, policy.high)
@@ -103,7 +118,7 @@ def test_equal_policies_have_equal_files(policy, tmp_path):
     for file in files:
         policy.save(file)
     assert len({file.read_bytes() for file in files}) == 1
-    assert set(load_file(files[0])) == set(policy.state_dict())
+    assert set(load_file(files[0])) == set(policy.weights)
 
 
 def test_infinite_bounds_survive_the_file(policy, tmp_path):
@@ -114,7 +129,7 @@ def test_infinite_bounds_survive_the_file(policy, tmp_path):
 
 def test_metadata_that_json_cannot_hold_is_refused_at_once(policy):
     with pytest.raises(TypeError, match="JSON serializable"):
-        Policy(policy.actor, policy.critic, policy.low, policy.high, {"seed": np.int64(1)})
+        Policy(policy.weights, policy.low, policy.high, {"seed": np.int64(1)})
 
 
 def test_load_names_a_missing_file(tmp_path):
@@ -214,7 +229,7 @@ def test_load_refuses_a_header_that_does_not_fit(policy, tmp_path, change, sente
         ),
         ({"actor.log_std": torch.full((3,), 90.0)}, "actor.log_std: found a number that is too large"),
         ({"actor.mean.0.weight": torch.full((16, 5), torch.inf)}, "actor.mean.0.weight: found a number that is too"),
-        ({"critic.value.0.bias": torch.zeros(8, dtype=torch.float64)}, "found numbers of torch.float64, expected"),
+        ({"critic.value.0.bias": torch.zeros(8, dtype=torch.float64)}, "found numbers of float64, expected"),
         ({"actor.mean.0.weight": torch.zeros(5, 16)}, "found the shape (5, 16), expected (16, 5)"),
         ({"other": torch.zeros(3)}, "found 483 numbers, expected 480"),
         ({"other": torch.zeros(0)}, "other: found a tensor that the policy does not have"),
@@ -252,7 +267,7 @@ def test_load_refuses_a_deep_header(policy, tmp_path):
 
 def test_a_policy_for_another_task_is_refused(task, policy):
     def bounded(low, high):
-        return Policy(Actor(task.observation.size, 14, (4,)), Critic(task.observation.size, (4,)), low, high, {})
+        return policy_of(Actor(task.observation.size, 14, (4,)), Critic(task.observation.size, (4,)), low, high, {})
 
     bounded(np.zeros(14), np.ones(14)).check(task)
     with pytest.raises(PolicyFileError, match="observations of length 5, but the task needs 58"):
@@ -261,7 +276,7 @@ def test_a_policy_for_another_task_is_refused(task, policy):
         bounded(np.full(14, -1.0), np.ones(14)).check(task)
     with pytest.raises(PolicyFileError, match="actions are from 0 to inf"):
         bounded(np.zeros(14), np.full(14, np.inf)).check(task)
-    other = Policy(Actor(task.observation.size, 3, (4,)), Critic(task.observation.size), [0] * 3, [1] * 3, {})
+    other = policy_of(Actor(task.observation.size, 3, (4,)), Critic(task.observation.size), [0] * 3, [1] * 3, {})
     with pytest.raises(PolicyFileError, match="actions of length 3, but the task needs 14"):
         other.check(task)
 

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from drakearm.learning.input_scaling import InputScaling
-from drakearm.learning.policy import Actor
+from drakearm.learning.networks import Actor
 from drakearm.learning.rollout import Collector
 from tests.small_environments import NEXT_STEP, SAME_STEP, Counter, vectorize
 
