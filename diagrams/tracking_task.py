@@ -12,6 +12,7 @@ from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
 from drakearm.diagrams.perturbation import BeginsRun, Perturbation, perturb_plant
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.systems.delay_line import DelayLine
+from drakearm.systems.excitation_noise import ExcitationNoise
 from drakearm.systems.proprioception import Proprioception
 from drakearm.systems.reference_source import ReferenceSource
 from drakearm.systems.tracking_reward import TrackingReward
@@ -27,8 +28,9 @@ class TaskSystems:
     """The systems of a task in a Diagram. Connect the excitations of a controller to the port `excitation`.
 
     task: as the controller knows it. perturbed: as it is, with the perturbations of load, strength and start. varies:
-    whether load, strength and delay differ from run to run. sensed: what the controller gets of its body, by the names
-    of signals; at least arm_state and activation. delays: of what is sensed. to_begin: what is prepared for each run.
+    whether load, strength, delay and motor noise differ from run to run. sensed: what the controller gets of its body,
+    by the names of signals; at least arm_state and activation. delays: of what is sensed. noise: of the excitations, if
+    the runs vary. to_begin: what is prepared for each run.
     """
 
     task: TrackingTask
@@ -41,6 +43,7 @@ class TaskSystems:
     proprioception: Proprioception
     reward: TrackingReward
     delays: tuple[DelayLine, ...]
+    noise: ExcitationNoise | None
     to_begin: tuple[BeginsRun, ...]
 
     def Reset(
@@ -57,6 +60,9 @@ class TaskSystems:
             self.reference.SetReference(root_context, task.reference)
         if self.varies:
             self.arm.SetBody(root_context, episode.load_mass, episode.strength)
+        if self.noise is not None:
+            steps, n = len((task or self.perturbed).reference.t), len(self.task.arm.muscles)
+            self.noise.SetFactors(root_context, episode.noise_factors(steps, n))
         plant, start = self.arm.plant, episode.start
         q = np.clip(start.q, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits())
         root_context.SetTime(start.step * CONTROL_STEP)
@@ -80,8 +86,8 @@ def AddTrackingTask(
     """Adds arm, reference, senses and reward to a builder and connects them.
 
     perturbations: what disturbs the arm and its senses. The observation and the reward stay those of the task. varies:
-    whether each run can have another load, strength and delay; by default it can if the task has a randomization.
-    reference: a system of the builder that puts out the reference; by default the one of the task.
+    whether each run can have another load, strength, delay and motor noise; by default it can if the task has a
+    randomization. reference: a system of the builder that puts out the reference; by default the one of the task.
 
     The task's start is also the start of Drake's own contexts: the default context has the posture without noise, and
     SetRandomContext draws a posture with noise (`Start.random_posture`).
@@ -116,14 +122,18 @@ def AddTrackingTask(
             builder, signals["reference"], signals["arm_state"]
         )
     reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
-    excitation = arm.muscles.GetInputPort("excitation")
-    if perturbations or read & {"excitation", "recent_excitation"}:
+    excitation, noise = arm.muscles.GetInputPort("excitation"), None
+    if varies or perturbations or read & {"excitation", "recent_excitation"}:
         shared = builder.AddNamedSystem("excitation", PassThrough(n))
         perturbed = signals["excitation"] = shared.get_output_port()
         if "recent_excitation" in read:
             recent = builder.AddNamedSystem("recent_excitation", DelayLine(CONTROL_STEP, RECENT, n, empty=True))
             builder.Connect(perturbed, recent.get_input_port())
             signals["recent_excitation"] = recent.GetOutputPort("past_u")
+        if varies:
+            noise = builder.AddNamedSystem("excitation_noise", ExcitationNoise(n))
+            builder.Connect(perturbed, noise.get_input_port())
+            perturbed = noise.get_output_port()
         for perturbation in perturbations:
             perturbed = perturbation.perturb_excitation(builder, perturbed)
         builder.Connect(perturbed, excitation)
@@ -145,7 +155,9 @@ def AddTrackingTask(
             builder.Connect(available[port.get_name()], port)
     to_begin = tuple(system for system in builder.GetSystems() if isinstance(system, BeginsRun))
     lines = tuple(delays.values())
-    return TaskSystems(task, moved, varies, arm, reference, excitation, sensed, proprioception, reward, lines, to_begin)
+    return TaskSystems(
+        task, moved, varies, arm, reference, excitation, sensed, proprioception, reward, lines, noise, to_begin
+    )
 
 
 def _difference(builder: DiagramBuilder, first: OutputPort, second: OutputPort) -> OutputPort:

@@ -19,7 +19,7 @@ from drakearm.model.loaded_dynamics import LoadedDynamics
 from drakearm.model.musculature import resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.task import Reward, TrackingTask, signal_size
-from drakearm.task.episode import LONGEST_STEPS
+from drakearm.task.episode import LONGEST_STEPS, Episode
 from drakearm.task.signals import OF_BODY, RECENT
 
 
@@ -70,6 +70,8 @@ class ArmVectorEnv(VectorEnv):
         self._acceleration = np.zeros((num_envs, n_q))
         self._recent = np.zeros((num_envs, RECENT, n))  # excitations, the latest first
         self._strength, self._delay = np.ones((num_envs, n)), np.zeros(num_envs, dtype=int)
+        self._motor_noise, self._noise_seed = np.zeros(num_envs), np.zeros(num_envs, dtype=np.int64)
+        self._noise_factor = np.ones((num_envs, max(len(task.reference.t) for task in tasks), n))
         self._signals: dict[str, Callable[[], np.ndarray]] = {
             "arm_state": lambda: self._arm_state,
             "arm_acceleration": lambda: self._acceleration,
@@ -116,7 +118,10 @@ class ArmVectorEnv(VectorEnv):
                 f"The actions have the shape {values.shape} and {np.sum(~np.isfinite(values))} values that are not "
                 f"finite: expected {self.num_envs} times {self._n} finite excitations."
             )
-        self._acceleration = self._arms.step(values, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
+        noisy = values
+        if self._motor_noise.any():
+            noisy = values.clip(0.0, 1.0) * self._noise_factor[np.arange(self.num_envs), self.reference_step]
+        self._acceleration = self._arms.step(noisy, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._recent = np.concatenate([values[:, None], self._recent[:, :-1]], axis=1)
         self._row += 1
@@ -144,6 +149,8 @@ class ArmVectorEnv(VectorEnv):
             "load_mass": self._load_mass,
             "strength": self._strength,
             "delay": self._delay,
+            "motor_noise": self._motor_noise,
+            "noise_seed": self._noise_seed,
             **self._past.state,
             "generators": np.array([generator_state(generator) for generator in self._generators]),
         }
@@ -156,6 +163,10 @@ class ArmVectorEnv(VectorEnv):
         self._row, self.task_of_arm = arrays["row"].copy(), arrays["task_of_arm"].copy()
         self._load_mass, self._strength = arrays["load_mass"].copy(), arrays["strength"].copy()
         self._delay = arrays["delay"].copy()
+        self._motor_noise, self._noise_seed = arrays["motor_noise"].copy(), arrays["noise_seed"].copy()
+        for k in np.flatnonzero(self._motor_noise).tolist():
+            noise = {"motor_noise": float(self._motor_noise[k]), "noise_seed": int(self._noise_seed[k])}
+            self._draw_noise(k, self.tasks[self.task_of_arm[k]].episode(None)._replace(**noise))
         self._past.state = arrays
         self._arms.set_body(np.ones(self.num_envs, bool), self.skeletons, self._strength)
         self._generators = [restored_generator(state) for state in arrays["generators"]]
@@ -188,6 +199,7 @@ class ArmVectorEnv(VectorEnv):
             self._row[k] = self._first[task] + start.step
             self._load_mass[k], self._strength[k] = episode.load_mass, episode.strength
             self._delay[k] = episode.delay_steps
+            self._draw_noise(k, episode)
         q = arm_state[:, :n_q].clip(self._lower, self._upper)
         arm_state[:, :n_q] = q
         self._recent[which] = self._acceleration[which] = 0.0
@@ -196,6 +208,11 @@ class ArmVectorEnv(VectorEnv):
         self._arms.set_state(which, arm_state, resting_states(self._arm, q, activation))
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._past.begin(which, self._signals)
+
+    def _draw_noise(self, arm: int, episode: Episode) -> None:
+        self._motor_noise[arm], self._noise_seed[arm] = episode.motor_noise, episode.noise_seed
+        steps = len(self.tasks[self.task_of_arm[arm]].reference.t)
+        self._noise_factor[arm, :steps] = episode.noise_factors(steps, self._n)
 
     def _observe(self) -> np.ndarray:
         late = self._past.delayed(self._delay)

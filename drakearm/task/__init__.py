@@ -1,6 +1,14 @@
 """The task: what an arm follows, what its controller senses, how it is rewarded, and how an episode starts."""
 
-from drakearm.task.episode import Episode, RandomDelay, Randomization, RandomLoad, RandomStart, RandomStrength
+from drakearm.task.episode import (
+    Episode,
+    RandomDelay,
+    Randomization,
+    RandomLoad,
+    RandomMotorNoise,
+    RandomStart,
+    RandomStrength,
+)
 from drakearm.task.rewards import Reward, RewardWeights
 from drakearm.task.senses import OBSERVATIONS, SENSES, Observation, Sense, observation_set
 from drakearm.task.signals import SIGNALS, signal_size
@@ -16,6 +24,7 @@ __all__ = [
     "Observation",
     "RandomDelay",
     "RandomLoad",
+    "RandomMotorNoise",
     "RandomStart",
     "RandomStrength",
     "Randomization",

@@ -30,6 +30,15 @@ class Episode(NamedTuple):
     load_mass: float  # kg, in the hand
     strength: float | np.ndarray = 1.0  # factors of the maximum isometric forces, one number or (n,)
     senses_delay: float = 0.0  # s, a whole number of control steps: what is sensed of the body is this old
+    motor_noise: float = 0.0  # standard deviation of the noise of an excitation, divided by the excitation
+    noise_seed: int = 0  # of the motor noise
+
+    def noise_factors(self, steps: int, n: int) -> np.ndarray:
+        """What each excitation is multiplied by in each control step, (steps, n): 1 plus the motor noise."""
+        if self.motor_noise == 0.0:
+            return np.ones((steps, n))
+        rng = np.random.default_rng(self.noise_seed)
+        return 1.0 + self.motor_noise * rng.standard_normal((steps, n))
 
     @property
     def delay_steps(self) -> int:
@@ -119,3 +128,17 @@ class RandomDelay(Randomization):
     def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
         steps = rng.integers(round(self.least / CONTROL_STEP), round(self.most / CONTROL_STEP), endpoint=True)
         return episode._replace(senses_delay=int(steps) * CONTROL_STEP)
+
+
+@dataclass(frozen=True, config=STRICT)
+class RandomMotorNoise(Randomization):
+    """Noise on excitations that grows with them: signal-dependent noise (Harris and Wolpert 1998).
+
+    Each control step draws it anew for each muscle. The controller knows what it commanded, and not the noise.
+    """
+
+    type = "motor_noise"
+    share: Annotated[NonNegative, Field(le=10.0)]  # standard deviation of the noise over the excitation
+
+    def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
+        return episode._replace(motor_noise=self.share, noise_seed=int(rng.integers(2**32)))

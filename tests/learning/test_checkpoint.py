@@ -12,6 +12,7 @@ from drakearm.learning import ArmVectorEnv, PpoSettings, train
 from drakearm.learning.checkpoint import Checkpoint
 from drakearm.learning.generator_state import generator_state, restored_generator
 from drakearm.learning.input_scaling import InputScaling
+from drakearm.task import RandomLoad, RandomMotorNoise, RandomStart
 
 SETTINGS = PpoSettings(batches=4, environments=3, steps=40, minibatches=2, epochs=2)
 DROPPED = ("steps_per_second", "seconds_left")
@@ -24,6 +25,11 @@ def task():
 
 def arms(task):
     return ArmVectorEnv(task, SETTINGS.environments)
+
+
+def varied_arms(task):
+    task = replace(task, randomization=(RandomLoad(0.0, 2.0), RandomStart(2.0), RandomMotorNoise(0.2)))
+    return ArmVectorEnv([task, replace(task, load_mass=1.0)], SETTINGS.environments, redraw=True)
 
 
 def diagrams(task):
@@ -47,7 +53,7 @@ def stopped_after(batch):
     return stop
 
 
-@pytest.mark.parametrize("make_envs", [arms, diagrams])
+@pytest.mark.parametrize("make_envs", [arms, varied_arms, diagrams])
 @pytest.mark.parametrize("final_std", [0.01, None])
 def test_a_continued_training_ends_with_the_same_policy(task, tmp_path, make_envs, final_std):
     """Stopped twice, in new environments each time, in the middle of the arms' episodes."""

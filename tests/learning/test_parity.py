@@ -17,6 +17,7 @@ from drakearm.task import (
     RandomDelay,
     Randomization,
     RandomLoad,
+    RandomMotorNoise,
     RandomStart,
     RandomStrength,
     Reward,
@@ -173,14 +174,21 @@ class WeakFlexors(Randomization):
         return episode._replace(strength=rng.uniform(0.6, 1.1, 14), start=start)
 
 
-VARIED = (RandomLoad(0.0, 2.0), RandomStrength(0.8, 1.2), RandomStart(3.0, 0.2), RandomDelay(0.0, 0.06), WeakFlexors())
+VARIED = (
+    RandomLoad(0.0, 2.0),
+    RandomStrength(0.8, 1.2),
+    RandomStart(3.0, 0.2),
+    RandomMotorNoise(0.2),
+    RandomDelay(0.0, 0.06),
+    WeakFlexors(),
+)
 
 
 def test_a_library_of_tasks_that_each_reset_draws_from():
-    """Every reset draws another movement, load, strength, start and delay. Several episodes are compared."""
+    """Every reset draws another movement, load, strength, start, noise and delay. Several episodes are compared."""
     task = replace(scenario_task("reach-000"), senses=OBSERVATIONS["general"], randomization=VARIED)
     other = replace(
-        scenario_task("timing-0.4s"), senses=OBSERVATIONS["general"], randomization=VARIED[:3], load_mass=1.0
+        scenario_task("timing-0.4s"), senses=OBSERVATIONS["general"], randomization=VARIED[:4], load_mass=1.0
     )
     short = [replace(each, reference=beginning(each.reference, steps)) for each, steps in ((task, 12), (other, 17))]
     many, arms = ArmVectorEnv(short, 3, redraw=True), 3

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from drakearm.errors import TaskError
-from drakearm.task import Episode, RandomDelay, Randomization, RandomLoad, RandomStart, RandomStrength, ReferenceStart
+from drakearm.task import (
+    Episode,
+    RandomDelay,
+    Randomization,
+    RandomLoad,
+    RandomMotorNoise,
+    RandomStart,
+    RandomStrength,
+    ReferenceStart,
+)
 
 
 def drawn(task, *randomizations):
@@ -53,3 +62,13 @@ def test_a_file_names_them_by_type():
     assert Randomization.read({"type": "load", "least": 0, "most": 2}) == RandomLoad(0.0, 2.0)
     with pytest.raises(ValueError, match="the smaller number first"):
         Randomization.read({"type": "strength", "least": 1.2, "most": 0.8})
+
+
+def test_motor_noise_differs_between_episodes_and_is_the_same_again(task):
+    first, second = drawn(task, RandomMotorNoise(0.2))[:2]
+    factors = first.noise_factors(1000, 14)
+    assert factors.shape == (1000, 14)
+    np.testing.assert_allclose([factors.mean(), factors.std()], [1.0, 0.2], atol=0.01)
+    np.testing.assert_array_equal(first.noise_factors(1000, 14), factors)
+    assert (second.noise_factors(1000, 14) != factors).all()
+    np.testing.assert_array_equal(task.episode(None).noise_factors(3, 14), 1.0)
