@@ -23,8 +23,9 @@ class Kind:
 
         Shape.read({"type": "circle", "radius": 2.0})  # Circle(radius=2.0)
 
-    A file can name a kind as soon as the module that defines it is imported. To define a kind without a `type` of its
-    own, or with the `type` of another kind of the family, is a TypeError.
+    A file can name a kind as soon as the module that defines it is imported. `type = ""` is for a kind that only code
+    can use. To define a kind without a `type` of its own, or with the `type` of another kind of the family, is a
+    TypeError.
     """
 
     type: ClassVar[str]
@@ -36,6 +37,8 @@ class Kind:
             cls._kinds = {}
             return
         name = vars(cls).get("type")
+        if name == "":
+            return
         if not isinstance(name, str):
             raise TypeError(f"{_path(cls)}: expected a `type`, the name that files give it.")
         other = cls._kinds.get(name, cls)

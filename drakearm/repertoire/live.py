@@ -15,6 +15,7 @@ from drakearm.diagrams.muscle_arm import MuscleArm
 from drakearm.errors import PlanningError
 from drakearm.learning import Policy
 from drakearm.model import load_arm
+from drakearm.model.reference import Reference
 from drakearm.planning import ReachPlanner, muscle_feasibility, posture_at
 from drakearm.repertoire.move import START_DEG
 from drakearm.repertoire.repertoire import Repertoire
@@ -37,7 +38,7 @@ _ACCEPTED, _REFUSED = Rgba(0.1, 0.6, 0.2, 0.8), Rgba(0.8, 0.1, 0.1, 0.8)
 class _LivePush(Perturbation):
     """A torque on the joints that can be changed during a simulation."""
 
-    type = "live_push"
+    type = ""  # files cannot name it
     sources: list[ConstantVectorSource] = field(default_factory=list)
 
     def perturb_torque(self, builder: DiagramBuilder, torque: OutputPort, arm: MuscleArm) -> OutputPort:
@@ -48,9 +49,6 @@ class _LivePush(Perturbation):
         builder.Connect(source.get_output_port(), total.get_input_port(1))
         self.sources.append(source)
         return total.get_output_port()
-
-
-del Perturbation._kinds[_LivePush.type]  # files cannot name it
 
 
 class Live:
@@ -67,11 +65,11 @@ class Live:
         start = np.deg2rad(START_DEG)
         task = replace(repertoire.task(self._planner.rest(start)), randomization=())
         self._push = _LivePush()
-        self._duration = 0.6
+        self._duration, self._tested = 0.6, task.reference
         self._loop = MakeReachingLoop(
             task,
             policy.act,
-            lambda q, v, target, a: self._planner(q, v, target, self._duration, a),
+            self._plan,
             start,
             self.meshcat,
             perturbations=[self._push],
@@ -133,7 +131,8 @@ class Live:
         q, v = np.split(self.arm_state, 2)
         try:
             target = posture_at(self._planner.model, x, y, near=q)
-            feasibility = muscle_feasibility(self._arm, self._planner(q, v, target, duration), self._load)
+            tested = self._planner(q, v, target, duration)
+            feasibility = muscle_feasibility(self._arm, tested, self._load)
             if not feasibility.feasible:
                 raise PlanningError(feasibility.verdict)
         except PlanningError as error:
@@ -141,8 +140,18 @@ class Live:
             refuse(str(error))
             return
         self._show_target((x, y), _ACCEPTED)
-        self._duration = duration
+        self._duration, self._tested = duration, tested
         self._target.FixValue(self.context, target)
+
+    def _plan(self, q: np.ndarray, v: np.ndarray, target: np.ndarray, a: np.ndarray) -> Reference:
+        """For `ReachSource`: from the present state of the reference, which goes on without a jump, if there is a plan.
+
+        Else from the state of the arm, which was tested.
+        """
+        try:
+            return self._planner(q, v, target, self._duration, a)
+        except PlanningError:
+            return self._tested
 
     def _show_target(self, position: tuple[float, float], color: Rgba) -> None:
         """A ball at a position (m) in the plane of the hand, upright like the arm."""

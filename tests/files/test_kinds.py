@@ -41,6 +41,15 @@ def test_a_mapping_becomes_the_kind_that_it_names():
     assert Sound.read({"type": "circle"}) == Circular()
 
 
+def test_a_kind_without_a_name_is_for_code_only():
+    class Nameless(Shape):
+        type = ""
+
+    assert Shape.read(nameless := Nameless()) is nameless
+    with pytest.raises(ValueError, match=r"expected one of box, circle$"):
+        Shape.read({"type": ""})
+
+
 def test_a_member_of_the_family_stays_what_it_is():
     circle = Circle(radius=1.0)
     assert Shape.read(circle) is circle
