@@ -70,6 +70,11 @@ def learn(
             on_batch=show_batch,
         )
     _print_errors(errors["held_out"])
+    noise = errors["motor_noise"]
+    say(
+        f"with motor noise of {100 * noise['share']:.0f} % of the excitation, the hand scatters by "
+        f"{noise['hand_scatter_median_cm']:.1f} cm (median)"
+    )
     say(f"policy in {folder / 'policy.safetensors'}")
 
 

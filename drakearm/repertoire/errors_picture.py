@@ -1,4 +1,4 @@
-"""A picture of a policy's errors: over the workspace, and against duration, load, delay of the senses and strength."""
+"""A picture of a policy's errors: over the workspace, and against all that makes a movement difficult."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,40 +9,77 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drakearm.figures.side_view import SideView
-from drakearm.figures.style import save_picture
+from drakearm.figures.style import NOTE_COLOR, save_picture
 from drakearm.repertoire.errors_table import REACHED, Act, Errors, held_out_errors
-from drakearm.task import RandomStrength, TrackingTask
+from drakearm.repertoire.scatter import NOISE, Fitts
+from drakearm.task import Randomization, RandomMotorNoise, RandomStrength, TrackingTask
 
 DELAYS = (0.0, 0.01, 0.02, 0.03, 0.04, 0.06)  # s
 STRENGTHS = (0.8, 0.9, 1.0, 1.1, 1.2)
+NOISES = (0.0, 0.1, 0.2, 0.3, 0.5)  # standard deviation of an excitation's noise over the excitation
 _GROUPS = 4  # of movements, by duration and by load
 _DPI = 100
 
 
-def write_errors_picture(file: Path, tasks: Sequence[TrackingTask], act: Act, errors: Errors, title: str) -> None:
-    """Draws the errors of a policy in movements that it has not seen. errors: those of `held_out_errors`.
+def write_errors_picture(
+    file: Path,
+    tasks: Sequence[TrackingTask],
+    act: Act,
+    errors: Errors,
+    static: Errors,
+    law: Fitts | None,
+    title: str,
+) -> None:
+    """Draws the errors of a policy in movements that it has not seen.
 
-    The last two panels run all movements again, with senses that are late, and with muscles of other strength, which
-    the policy is not told. Raises StorageError if the file cannot be written.
+    errors, static: those of `held_out_errors` for the policy and for static optimization. law: the result of `fitts`.
+    Some panels run all movements again: with late senses, with muscles of other strength and with motor noise, none of
+    which the policy is told. Raises StorageError if the file cannot be written.
     """
-    figure = Figure(figsize=(12, 7), layout="constrained")
+    figure = Figure(figsize=(15, 7.5), layout="constrained")
     figure.suptitle(f"{title}: errors in {len(tasks)} movements never seen")
-    panels = figure.subplot_mosaic("mmab;mmcd")
+    panels = figure.subplot_mosaic("mmabe;mmcdf")
     _draw_map(panels["m"], tasks, errors)
-    durations = np.array([task.reference.duration for task in tasks])
-    _draw_groups(panels["a"], durations, errors, "time of movement and rest (s)")
-    _draw_groups(panels["b"], np.array([task.load_mass for task in tasks]), errors, "load (kg), not told")
+    durations, loads = (np.array([get(task) for task in tasks]) for get in (_duration, _load))
+    for name, values, label in (("a", durations, "time of movement and rest (s)"), ("b", loads, "load (kg), not told")):
+        _draw_groups(panels[name], values, errors, label)
+        _draw_groups(panels[name], values, static, label, color=NOTE_COLOR, marker="s", name="static optimization")
+    panels["a"].legend(fontsize="small", frameon=False)
     late = [held_out_errors([replace(task, senses_delay=delay) for task in tasks], act) for delay in DELAYS]
     _draw_spread(panels["c"], [1e3 * delay for delay in DELAYS], late, "delay of the senses (ms)")
-    _draw_spread(
-        panels["d"], STRENGTHS, [_with_strength(tasks, act, each) for each in STRENGTHS], "strength of the muscles"
-    )
+    weak = [_with(tasks, act, RandomStrength(strength, strength)) for strength in STRENGTHS]
+    _draw_spread(panels["d"], STRENGTHS, weak, "strength of the muscles")
+    noisy = [_with(tasks, act, RandomMotorNoise(share)) for share in NOISES]
+    _draw_spread(panels["e"], [100.0 * share for share in NOISES], noisy, "motor noise (% of the excitation)")
+    _draw_fitts(panels["f"], law)
     save_picture(figure, file, dpi=_DPI)
 
 
-def _with_strength(tasks: Sequence[TrackingTask], act: Act, strength: float) -> Errors:
-    changed = [replace(task, randomization=(RandomStrength(strength, strength),)) for task in tasks]
-    return held_out_errors(changed, act, random=True)
+def _duration(task: TrackingTask) -> float:
+    return task.reference.duration
+
+
+def _load(task: TrackingTask) -> float:
+    return task.load_mass
+
+
+def _with(tasks: Sequence[TrackingTask], act: Act, change: Randomization) -> Errors:
+    return held_out_errors([replace(task, randomization=(change,)) for task in tasks], act, random=True)
+
+
+def _draw_fitts(panel: Axes, law: Fitts | None) -> None:
+    """The shortest time to a target against its difficulty, and the line through these points."""
+    panel.set(xlabel="difficulty of the target (bits)", ylabel="shortest time (s)")
+    panel.set_title(f"Fitts' law, motor noise of {100 * NOISE:.0f} %", fontsize="small")
+    if law is None:
+        panel.text(0.5, 0.5, "no target can be hit", ha="center", transform=panel.transAxes)
+        return
+    panel.plot(law.difficulty, law.duration, "o", color="black")
+    ends = np.array([law.difficulty.min(), law.difficulty.max()])
+    label = f"{law.intercept:.2f} s + {law.slope:.2f} s/bit, r = {law.correlation:.2f}"
+    panel.plot(ends, law.intercept + law.slope * ends, color="black", label=label)
+    panel.set_ylim(bottom=0.0)
+    panel.legend(fontsize="small", frameon=False, loc="lower right")
 
 
 def _draw_map(panel: Axes, tasks: Sequence[TrackingTask], errors: Errors) -> None:
@@ -62,25 +99,30 @@ def _draw_map(panel: Axes, tasks: Sequence[TrackingTask], errors: Errors) -> Non
     panel.figure.colorbar(marks, ax=panel, label="cm", extend="max", shrink=0.7)
 
 
-def _draw_groups(panel: Axes, values: np.ndarray, errors: Errors, label: str) -> None:
+def _draw_groups(panel: Axes, values: np.ndarray, errors: Errors, label: str, **look: str) -> None:
     """The errors of movements that are alike in a quantity."""
     if np.ptp(values) == 0.0:
-        _draw_spread(panel, [float(values[0])], [errors], label)
+        _draw_spread(panel, [float(values[0])], [errors], label, **look)
         return
     groups = np.array_split(np.argsort(values), min(_GROUPS, len(values)))
-    _draw_spread(
-        panel,
-        [float(values[g].mean()) for g in groups],
-        [Errors(errors.mean[g], errors.hand[g]) for g in groups],
-        label,
-    )
+    each = [Errors(errors.mean[g], errors.hand[g]) for g in groups]
+    _draw_spread(panel, [float(values[g].mean()) for g in groups], each, label, **look)
 
 
-def _draw_spread(panel: Axes, values: Sequence[float], errors: Sequence[Errors], label: str) -> None:
+def _draw_spread(
+    panel: Axes,
+    values: Sequence[float],
+    errors: Sequence[Errors],
+    label: str,
+    color: str = "black",
+    marker: str = "o",
+    name: str = "policy",
+) -> None:
     """Medians, and a bar up to what 95 % are below."""
     median = np.array([1e3 * np.median(each.mean) for each in errors])
     most = np.array([1e3 * np.percentile(each.mean, 95) for each in errors])
-    panel.errorbar(values, median, [np.zeros_like(median), most - median], marker="o", capsize=3, color="black")
+    bars = [np.zeros_like(median), most - median]
+    panel.errorbar(values, median, bars, marker=marker, capsize=3, color=color, label=name)
     panel.set(xlabel=label, ylabel="mean error (mrad)")
     panel.set_ylim(bottom=0.0)
     panel.set_title("median, and 95 % are below", fontsize="small")

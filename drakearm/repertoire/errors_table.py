@@ -44,6 +44,15 @@ def held_out_errors(tasks: Sequence[TrackingTask], act: Act | None, *, random: b
     """
     if not random:
         tasks = [replace(task, start=ReferenceStart(), randomization=()) for task in tasks]
+    mean, last = carry_out(tasks, act, seed)
+    plant, arm = MakeTorqueArm(tasks[0].arm), tasks[0].arm
+    goals = np.array([task.reference.q[-1] for task in tasks])
+    p_WH, p_WG = (hand_motion(plant, arm, q, np.zeros_like(q))[0] for q in (last, goals))
+    return Errors(mean.max(axis=1), 100.0 * np.linalg.norm(p_WH - p_WG, axis=1))
+
+
+def carry_out(tasks: Sequence[TrackingTask], act: Act | None, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """One run of each task: the mean errors (K, n_q), and the angles at the end (K, n_q), rad. act: as above."""
     envs = ArmVectorEnv(tasks, len(tasks))
     expert = StaticExpert(envs) if act is None else None
     observation, info = envs.reset(seed=seed)
@@ -57,7 +66,4 @@ def held_out_errors(tasks: Sequence[TrackingTask], act: Act | None, *, random: b
         last[moving] = info["arm_state"][moving, : total.shape[1]]
         steps += moving
         moving &= ~truncated
-    plant, arm = MakeTorqueArm(tasks[0].arm), tasks[0].arm
-    goals = np.array([task.reference.q[-1] for task in tasks])
-    p_WH, p_WG = (hand_motion(plant, arm, q, np.zeros_like(q))[0] for q in (last, goals))
-    return Errors((total / steps[:, None]).max(axis=1), 100.0 * np.linalg.norm(p_WH - p_WG, axis=1))
+    return total / steps[:, None], last

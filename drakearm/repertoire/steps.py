@@ -8,6 +8,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from drakearm.errors import RunFolderError, shown
 from drakearm.experiments.metrics import versions
 from drakearm.experiments.steps import with_batches
@@ -19,6 +21,7 @@ from drakearm.repertoire.errors_picture import write_errors_picture
 from drakearm.repertoire.errors_table import held_out_errors
 from drakearm.repertoire.folder import FILES
 from drakearm.repertoire.repertoire import Movements, Repertoire, find_repertoire, load_repertoire
+from drakearm.repertoire.scatter import NOISE, fitts, scatter
 
 HELD_OUT = 200  # movements
 HELD_OUT_SEED = 2**31  # plus the seed of the repertoire: libraries are not planned with such seeds
@@ -85,7 +88,7 @@ def learn_repertoire(
         "settings": asdict(settings),
         "planning_seconds": planned - start,
         "training_seconds": trained - planned,
-        "held_out": evaluate_repertoire(repertoire, policy, path["held_out"], path["picture"], on_planned),
+        **evaluate_repertoire(repertoire, policy, path["held_out"], path["picture"], on_planned),
         "versions": versions(),
     }
     with replacement(path["errors"]) as partial:
@@ -96,19 +99,29 @@ def learn_repertoire(
 def evaluate_repertoire(
     repertoire: Repertoire, policy: Policy, file: Path, picture: Path, on_planned: OnPlanned | None = None
 ) -> dict[str, Any]:
-    """The errors of a policy in HELD_OUT movements that it has not seen, and those of static optimization.
+    """How good a policy is in HELD_OUT movements that it has not seen, as errors.json has it.
 
+    held_out: its errors, and those of static optimization. motor_noise: how the hand scatters, in cm, and Fitts' law,
+    in s and s/bit; see `scatter` and `fitts`.
     file: of the library with these movements, which is planned if it does not exist. picture: where the errors are
     drawn.
     """
     movements = replace(repertoire.movements, count=HELD_OUT, seed=(repertoire.movements.seed + HELD_OUT_SEED) % 2**32)
     tasks = repertoire.tasks(library_of(repertoire, movements, file, on_planned))
     policy.check(tasks[0])
-    errors = held_out_errors(tasks, policy.act)
-    write_errors_picture(picture, tasks, policy.act, errors, repertoire.name)
+    errors, static = held_out_errors(tasks, policy.act), held_out_errors(tasks, None)
+    spread = scatter(tasks, policy.act)
+    home = np.mean([task.reference.q[0] for task in tasks], axis=0)
+    law = fitts(tasks[0], home, policy.act)
+    write_errors_picture(picture, tasks, policy.act, errors, static, law, repertoire.name)
     return {
-        "policy": errors.summary(),
-        "static optimization, told the load": held_out_errors(tasks, None).summary(),
+        "held_out": {"policy": errors.summary(), "static optimization, told the load": static.summary()},
+        "motor_noise": {
+            "share": NOISE,
+            "hand_scatter_median_cm": float(np.median(spread)),
+            "hand_scatter_95_cm": float(np.percentile(spread, 95)),
+            "fitts": None if law is None else {"slope": law.slope, "intercept": law.intercept, "r": law.correlation},
+        },
     }
 
 

@@ -9,7 +9,7 @@ from drakearm.task.episode import (
     RandomStart,
     RandomStrength,
 )
-from drakearm.task.rewards import Reward, RewardWeights
+from drakearm.task.rewards import AbsoluteErrors, Reward, RewardWeights
 from drakearm.task.senses import OBSERVATIONS, SENSES, Observation, Sense, observation_set
 from drakearm.task.signals import SIGNALS, signal_size
 from drakearm.task.starts import ReferenceStart, Start, StartState
@@ -20,6 +20,7 @@ __all__ = [
     "OBSERVATIONS",
     "SENSES",
     "SIGNALS",
+    "AbsoluteErrors",
     "Episode",
     "Observation",
     "RandomDelay",

@@ -58,18 +58,11 @@ class RewardWeights(Reward):
 
     def check(self, arm: Arm) -> None:
         """Raises TaskError unless there is one weight of each sort per coordinate."""
-        for name in ("position", "velocity", "acceleration"):
-            count = len(getattr(self, name))
-            if count != len(arm.coordinates):
-                raise TaskError(
-                    f"The reward's {name} has {count} weights: expected {len(arm.coordinates)}, for "
-                    f"{', '.join(arm.coordinates)}."
-                )
+        _check_weights(arm, position=self.position, velocity=self.velocity, acceleration=self.acceleration)
 
     def priority(self, arm: Arm) -> np.ndarray:
         """The squares of the position weights, divided by the largest one."""
-        position = np.array(self.position)
-        return (position / position.max()) ** 2 if position.max() > 0.0 else super().priority(arm)
+        return _squares(self.position)
 
     @cached_property
     def _weights(self) -> np.ndarray:
@@ -79,3 +72,51 @@ class RewardWeights(Reward):
         arm_state, reference, acceleration = signals
         penalized = np.concatenate([reference - arm_state, acceleration], axis=-1)
         return -(self._weights * penalized**2).sum(axis=-1)
+
+
+@dataclass(frozen=True, config=STRICT)
+class AbsoluteErrors(Reward):
+    """Minus the weighted absolute errors, with two weights per coordinate j:
+
+        r = -sum_j (position_j |q_d,j - q_j| + velocity_j |v_d,j - v_j|)
+
+    q_d and v_d are the desired q and v. Squares would let the few difficult movements of a repertoire determine what is
+    learned, and would make errors of some milliradians cost nothing.
+    """
+
+    type = "absolute_errors"
+    reads = ("arm_state", "reference")
+
+    position: tuple[NonNegative, ...]  # 1/rad
+    velocity: tuple[NonNegative, ...]  # s/rad
+
+    def check(self, arm: Arm) -> None:
+        """Raises TaskError unless there is one weight of each sort per coordinate."""
+        _check_weights(arm, position=self.position, velocity=self.velocity)
+
+    def priority(self, arm: Arm) -> np.ndarray:
+        """The squares of the position weights, divided by the largest one."""
+        return _squares(self.position)
+
+    @cached_property
+    def _weights(self) -> np.ndarray:
+        return np.array([*self.position, *self.velocity])
+
+    def __call__(self, *signals: np.ndarray) -> Any:
+        arm_state, reference = signals
+        return -(self._weights * np.abs(reference - arm_state)).sum(axis=-1)
+
+
+def _check_weights(arm: Arm, **weights: tuple[float, ...]) -> None:
+    for name, given in weights.items():
+        if len(given) != len(arm.coordinates):
+            raise TaskError(
+                f"The reward's {name} has {len(given)} weights: expected {len(arm.coordinates)}, for "
+                f"{', '.join(arm.coordinates)}."
+            )
+
+
+def _squares(position: tuple[float, ...]) -> np.ndarray:
+    """The squares of position weights, divided by the largest one; all 1 if all weights are 0."""
+    weights = np.array(position)
+    return (weights / weights.max()) ** 2 if weights.max() > 0.0 else np.ones(len(weights))

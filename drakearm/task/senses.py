@@ -16,6 +16,7 @@ from drakearm.model.arm import Arm
 from drakearm.task.signals import check_signals, signal_size
 
 SPEED_SCALE = 0.1  # s/rad, makes the joint speeds of a movement dimensionless and near 1
+SMALL_ERRORS = (0.01, 0.2)  # rad and rad/s, errors that `small_tracking_error` resolves well
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,11 @@ def _per_largest_force(arm: Arm) -> np.ndarray:
     return 1.0 / arm.muscle_table["max_isometric_force"]
 
 
+def _small_errors(error: np.ndarray) -> np.ndarray:
+    joints = error.shape[-1] // 2
+    return np.tanh(error / np.repeat(SMALL_ERRORS, joints))
+
+
 def _angles_and_speeds(arm: Arm) -> np.ndarray:
     return np.repeat([1.0, SPEED_SCALE], len(arm.coordinates))
 
@@ -99,6 +105,14 @@ SENSES = (  # in the order of the observation. The set "paper" is the observatio
         scale=lambda arm: np.repeat([10.0, 1.0], len(arm.coordinates)),
         sets=("general",),
         meaning="10/rad times desired q minus q, then 1 s/rad times desired v minus v",
+    ),
+    # Without it, a network is too smooth to tell errors of some milliradians from none.
+    Sense(
+        "small_tracking_error",
+        reads=("tracking_error",),
+        calc=_small_errors,
+        sets=("general",),
+        meaning="tanh of the tracking error divided by 0.01 rad and 0.2 rad/s, which resolves small errors",
     ),
     Sense(
         "recent_excitation",

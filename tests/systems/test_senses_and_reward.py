@@ -9,8 +9,9 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
+from drakearm.errors import TaskError
 from drakearm.systems import PolicyController, Proprioception, TrackingReward
-from drakearm.task import OBSERVATIONS, RewardWeights
+from drakearm.task import OBSERVATIONS, AbsoluteErrors, Reward, RewardWeights
 
 
 def test_paper_observation_is_normalized_lengths_and_velocities(task, outputs):
@@ -47,6 +48,17 @@ def test_reward_is_equation_6_of_the_paper(task, outputs):
     expected = -(0.09 + 2 * 0.04) - (0.1 * 1.0 + 0.2 * 1.0) - (0.01 * 9.0 + 0.02 * 16.0)
     assert reward[0] == pytest.approx(expected)
     np.testing.assert_allclose(error, [-0.3, 0.2])
+
+
+def test_absolute_errors_are_weighted_and_negative(task, outputs):
+    weights = AbsoluteErrors(position=(1.0, 2.0), velocity=(0.1, 0.2))
+    inputs = {"arm_state": [0.1, 0.2, 1.0, 2.0], "reference": [0.4, 0.0, 0.0, 1.0]}
+    reward, _ = outputs(TrackingReward(replace(task, reward=weights)), inputs, ["reward", "tracking_error"])
+    assert reward[0] == pytest.approx(-(0.3 + 2 * 0.2) - (0.1 * 1.0 + 0.2 * 1.0))
+    np.testing.assert_allclose(weights.priority(task.arm), [0.25, 1.0])
+    assert Reward.read({"type": "absolute_errors", "position": [1, 2], "velocity": [0.1, 0.2]}) == weights
+    with pytest.raises(TaskError, match="velocity has 1 weights: expected 2, for shoulder, elbow"):
+        replace(task, reward=AbsoluteErrors(position=(1.0, 2.0), velocity=(0.1,)))
 
 
 def test_policy_decides_at_control_steps_and_holds_its_excitations_in_between():

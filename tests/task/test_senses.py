@@ -19,10 +19,16 @@ def test_observation_sets_consist_of_rows_of_the_table():
 def test_each_sense_of_the_table_has_a_size_and_a_meaning(arm):
     for sense in SENSES:
         observation = Observation(arm, [sense], (0, 3, 8))
-        assert observation.size == signal_size(sense.name, arm, (0, 3, 8)) > 0
-        assert sense.meaning
         (signal,) = sense.reads
+        assert observation.size == signal_size(signal, arm, (0, 3, 8)) > 0
+        assert sense.meaning
         assert observation({signal: np.ones((5, observation.size))}).shape == (5, observation.size)
+
+
+def test_small_errors_are_resolved_and_large_ones_limited(arm):
+    (sense,) = [sense for sense in SENSES if sense.name == "small_tracking_error"]
+    sensed = Observation(arm, [sense], (0,))({"tracking_error": np.array([0.001, -10.0, 0.02, 0.0])})
+    np.testing.assert_allclose(sensed, [0.1, -1.0, 0.1, 0.0], atol=1e-3)
 
 
 def test_one_arm_and_many_arms_observe_the_same(task):
