@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
-from pydrake.systems.primitives import Adder, Gain, PassThrough
+from pydrake.systems.primitives import Adder, Gain, LinearSystem, PassThrough
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
 from drakearm.diagrams.perturbation import BeginsRun, Perturbation, perturb_plant
@@ -18,7 +18,7 @@ from drakearm.systems.reference_source import ReferenceSource
 from drakearm.systems.tracking_reward import TrackingReward
 from drakearm.task import Episode, TrackingTask
 from drakearm.task.episode import LONGEST_STEPS
-from drakearm.task.signals import OF_BODY, RECENT
+from drakearm.task.signals import OF_BODY, RECENT, REMEMBERED
 
 _ALWAYS_SENSED = ("arm_state", "activation")  # also by controllers that do not get the observation
 
@@ -117,10 +117,11 @@ def AddTrackingTask(
     signals["arm_acceleration"] = arm.plant.get_generalized_acceleration_output_port()
     proprioception = builder.AddNamedSystem("proprioception", Proprioception(task))
     read = {*proprioception.observation.reads, *task.reward.reads}
-    if "tracking_error" in read:
-        body["tracking_error"] = signals["tracking_error"] = _difference(
-            builder, signals["reference"], signals["arm_state"]
-        )
+    if read & {"tracking_error", "accumulated_error"}:
+        body["tracking_error"] = _difference(builder, signals["reference"], signals["arm_state"])
+    if "accumulated_error" in read:
+        body["accumulated_error"] = _accumulated(builder, body["tracking_error"])
+    signals |= {name: body[name] for name in ("tracking_error", "accumulated_error") if name in body}
     reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
     excitation, noise = arm.muscles.GetInputPort("excitation"), None
     if varies or perturbations or read & {"excitation", "recent_excitation"}:
@@ -168,6 +169,18 @@ def _difference(builder: DiagramBuilder, first: OutputPort, second: OutputPort) 
     builder.Connect(first, difference.get_input_port(0))
     builder.Connect(negative.get_output_port(), difference.get_input_port(1))
     return difference.get_output_port()
+
+
+def _accumulated(builder: DiagramBuilder, error: OutputPort) -> OutputPort:
+    """The integral of the first half of an error, that of q, which is forgotten little by little."""
+    n_q = error.size() // 2
+    identity, of_q = np.eye(n_q), np.eye(n_q, 2 * n_q)
+    memory = builder.AddNamedSystem(
+        "accumulated_error",
+        LinearSystem(REMEMBERED * identity, CONTROL_STEP * of_q, identity, 0.0 * of_q, CONTROL_STEP),
+    )
+    builder.Connect(error, memory.get_input_port())
+    return memory.get_output_port()
 
 
 def MakeTrackingTask(task: TrackingTask, *, varies: bool | None = None) -> tuple[Diagram, TaskSystems]:

@@ -20,7 +20,7 @@ from drakearm.model.musculature import resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.task import Reward, TrackingTask, signal_size
 from drakearm.task.episode import LONGEST_STEPS, Episode
-from drakearm.task.signals import OF_BODY, RECENT
+from drakearm.task.signals import OF_BODY, RECENT, REMEMBERED
 
 
 class ArmVectorEnv(VectorEnv):
@@ -56,6 +56,7 @@ class ArmVectorEnv(VectorEnv):
         self._dynamics = LoadedDynamics(bodies)
         self._load_mass = np.array([tasks[k].load_mass for k in self.task_of_arm])
         self._arms = CompiledArms(arm, self.skeletons, num_envs, self._lower, self._upper)
+        self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._distinct_rewards, self._reward_of_task = _distinct([task.reward for task in tasks])
         # The samples of all references, one reference after the other. Task i has rows _first[i] to _last[i].
         self._reference = np.concatenate([task.reference.preview() for task in tasks])
@@ -68,6 +69,7 @@ class ArmVectorEnv(VectorEnv):
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
         self._acceleration = np.zeros((num_envs, n_q))
+        self._accumulated = np.zeros((num_envs, n_q))
         self._recent = np.zeros((num_envs, RECENT, n))  # excitations, the latest first
         self._strength, self._delay = np.ones((num_envs, n)), np.zeros(num_envs, dtype=int)
         self._motor_noise, self._noise_seed = np.zeros(num_envs), np.zeros(num_envs, dtype=np.int64)
@@ -77,6 +79,7 @@ class ArmVectorEnv(VectorEnv):
             "arm_acceleration": lambda: self._acceleration,
             "reference": lambda: self._reference.take(self._row, axis=0),
             "tracking_error": lambda: self._reference.take(self._row, axis=0) - self._arm_state,
+            "accumulated_error": lambda: self._accumulated,
             "preview_q": lambda: self._preview_q.take(self._row, axis=0),
             "preview_v": lambda: self._preview_v.take(self._row, axis=0),
             "excitation": lambda: self._recent[:, 0],
@@ -121,6 +124,8 @@ class ArmVectorEnv(VectorEnv):
         noisy = values
         if self._motor_noise.any():
             noisy = values.clip(0.0, 1.0) * self._noise_factor[np.arange(self.num_envs), self.reference_step]
+        error = (self._reference.take(self._row, axis=0) - self._arm_state)[:, : self._n_q]
+        self._accumulated = REMEMBERED * self._accumulated + CONTROL_STEP * error
         self._acceleration = self._arms.step(noisy, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._recent = np.concatenate([values[:, None], self._recent[:, :-1]], axis=1)
@@ -143,6 +148,7 @@ class ArmVectorEnv(VectorEnv):
             "arm_state": self._arm_state,
             "muscle_state": self._muscle_state,
             "acceleration": self._acceleration,
+            "accumulated_error": self._accumulated,
             "recent_excitation": self._recent,
             "row": self._row,
             "task_of_arm": self.task_of_arm,
@@ -160,6 +166,7 @@ class ArmVectorEnv(VectorEnv):
         self._arms.set_state(np.ones(self.num_envs, bool), arrays["arm_state"], arrays["muscle_state"])
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._acceleration, self._recent = arrays["acceleration"].copy(), arrays["recent_excitation"].copy()
+        self._accumulated = arrays["accumulated_error"].copy()
         self._row, self.task_of_arm = arrays["row"].copy(), arrays["task_of_arm"].copy()
         self._load_mass, self._strength = arrays["load_mass"].copy(), arrays["strength"].copy()
         self._delay = arrays["delay"].copy()
@@ -202,7 +209,7 @@ class ArmVectorEnv(VectorEnv):
             self._draw_noise(k, episode)
         q = arm_state[:, :n_q].clip(self._lower, self._upper)
         arm_state[:, :n_q] = q
-        self._recent[which] = self._acceleration[which] = 0.0
+        self._recent[which] = self._acceleration[which] = self._accumulated[which] = 0.0
         skeletons = self._dynamics.stacked(self._body[self.task_of_arm[arms]], self._load_mass[arms])
         self._arms.set_body(which, skeletons, self._strength[arms])
         self._arms.set_state(which, arm_state, resting_states(self._arm, q, activation))

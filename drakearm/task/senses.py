@@ -18,6 +18,8 @@ from drakearm.task.signals import check_signals, signal_size
 SPEED_SCALE = 0.1  # s/rad, makes the joint speeds of a movement dimensionless and near 1
 SMALL_ERRORS = (0.01, 0.2)  # rad and rad/s, errors that `small_tracking_error` resolves well
 
+SMALL_ACCUMULATED_ERROR = 0.005  # rad s
+
 
 @dataclass(frozen=True)
 class Sense:
@@ -113,6 +115,13 @@ SENSES = (  # in the order of the observation. The set "paper" is the observatio
         calc=_small_errors,
         sets=("general",),
         meaning="tanh of the tracking error divided by 0.01 rad and 0.2 rad/s, which resolves small errors",
+    ),
+    # It lets a policy remove a steady error, for example that of a load which it does not know exactly.
+    Sense(
+        "accumulated_error",
+        calc=lambda error: np.tanh(error / SMALL_ACCUMULATED_ERROR),
+        sets=("general",),
+        meaning="tanh of the accumulated error divided by 0.005 rad s",
     ),
     Sense(
         "recent_excitation",

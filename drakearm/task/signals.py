@@ -1,16 +1,21 @@
 """The signals: the quantities of an arm and its reference that senses and rewards can read."""
 
+import math
 from collections.abc import Iterable
 
 from drakearm.errors import TaskError
 from drakearm.model.arm import Arm
+from drakearm.model.reference import CONTROL_STEP
 
 RECENT = 4  # control steps: as old as what people sense of their arms
+MEMORY = 0.25  # s, time constant with which the accumulated error is forgotten
+REMEMBERED = math.exp(-CONTROL_STEP / MEMORY)  # share of the accumulated error, per control step
 SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "arm_state": "q and v of the joints (2 n_q), rad and rad/s",
     "arm_acceleration": "acceleration of the joints (n_q), rad/s^2; only for rewards, because the start has none",
     "reference": "desired q and v now (2 n_q), rad and rad/s",
     "tracking_error": "desired q and v minus q and v of the joints (2 n_q), rad and rad/s",
+    "accumulated_error": "integral of the error of q since the start (n_q), rad s; forgotten within about MEMORY",
     "preview_q": "desired q at each time of the task's lookahead (n_q len(lookahead)), rad",
     "preview_v": "desired v at the same times (n_q len(lookahead)), rad/s",
     "excitation": "excitations during the last control step (n), 0 at the start",
@@ -21,7 +26,15 @@ SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "tendon_force": "forces of the tendons (n), N",
 }
 # What nerves report, with a delay.
-OF_BODY = ("arm_state", "tracking_error", "activation", "fiber_length", "fiber_velocity", "tendon_force")
+OF_BODY = (
+    "arm_state",
+    "tracking_error",
+    "accumulated_error",
+    "activation",
+    "fiber_length",
+    "fiber_velocity",
+    "tendon_force",
+)
 
 
 def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
@@ -32,6 +45,7 @@ def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
         "arm_acceleration": n_q,
         "reference": 2 * n_q,
         "tracking_error": 2 * n_q,
+        "accumulated_error": n_q,
         "preview_q": n_q * len(lookahead),
         "preview_v": n_q * len(lookahead),
         "recent_excitation": n * RECENT,

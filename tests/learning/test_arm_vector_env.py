@@ -10,7 +10,8 @@ from gymnasium.vector import AutoresetMode
 from drakearm.errors import ActionError, TrainingError
 from drakearm.learning import ArmVectorEnv
 from drakearm.model.reference import Reference
-from drakearm.task import OBSERVATIONS, ReferenceStart, RewardWeights
+from drakearm.task import OBSERVATIONS, ReferenceStart, RewardWeights, Sense
+from drakearm.task.signals import MEMORY
 
 
 def shortened(reference, steps):
@@ -70,6 +71,24 @@ def test_an_arm_is_independent_of_the_others(task):
             np.testing.assert_allclose(reward[k::2], expected[1], rtol=1e-8, atol=1e-8)
             np.testing.assert_allclose(observation[k::2], expected[0], rtol=1e-6, atol=1e-7)
             np.testing.assert_array_equal(truncated[k::2], expected[3])
+
+
+def test_the_accumulated_error_is_the_integral_that_is_forgotten(task):
+    """It adds up the errors of all earlier control steps. A memory of 0.25 s keeps 1/e of an error for so long."""
+    envs = ArmVectorEnv(replace(task, senses=(Sense("accumulated_error"),)), 2)
+    observation, info = envs.reset(seed=0)
+    errors = []
+    for _ in range(40):
+        np.testing.assert_allclose(observation, expected_integral(errors), rtol=1e-6, atol=1e-9)
+        errors.append(-info["tracking_error"])
+        observation, _, _, _, info = envs.step(np.full((2, 14), 0.2))
+    assert (np.abs(observation) > 1e-3).any()
+
+
+def expected_integral(errors):
+    """The sum of errors times 10 ms; one that is MEMORY old counts exp(-1) times as much as a new one."""
+    age = 0.01 * np.arange(len(errors))[::-1]
+    return np.einsum("k,kij->ij", 0.01 * np.exp(-age / MEMORY), errors) if errors else np.zeros((2, 2))
 
 
 def test_tasks_for_different_arms_are_refused(task):
