@@ -36,6 +36,9 @@ def learn(
         ),
     ] = None,
     batches: Batches = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue a training that was stopped, with the same result.")
+    ] = False,
     imports: Import = None,
 ) -> None:
     """Learn one policy for many movements: plan a library of them, train, and test on movements never seen.
@@ -65,6 +68,7 @@ def learn(
             folder,
             seed=seed,
             batches=batches,
+            resume=resume,
             on_planned=_plans_shown(show),
             on_round=show_round,
             on_batch=show_batch,

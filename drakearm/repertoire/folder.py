@@ -9,3 +9,4 @@ FILES = {
     "errors": "errors.json",
     "picture": "errors.png",
 }
+CHECKPOINT = "checkpoint.safetensors"  # while a training is not finished

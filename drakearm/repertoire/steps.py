@@ -13,13 +13,14 @@ import numpy as np
 from drakearm.errors import RunFolderError, shown
 from drakearm.experiments.metrics import versions
 from drakearm.experiments.steps import with_batches
+from drakearm.files.lock import locked
 from drakearm.files.writing import replacement
 from drakearm.learning import ArmVectorEnv, BatchReport, Policy, prepare, train
 from drakearm.model import load_arm
 from drakearm.planning.library import Library, plan_library
 from drakearm.repertoire.errors_picture import write_errors_picture
 from drakearm.repertoire.errors_table import held_out_errors
-from drakearm.repertoire.folder import FILES
+from drakearm.repertoire.folder import CHECKPOINT, FILES
 from drakearm.repertoire.repertoire import Movements, Repertoire, find_repertoire, load_repertoire
 from drakearm.repertoire.scatter import NOISE, fitts, scatter
 
@@ -47,6 +48,7 @@ def learn_repertoire(
     *,
     seed: int = 0,
     batches: int | None = None,
+    resume: bool = False,
     on_planned: OnPlanned | None = None,
     on_round: Callable[[int, int], None] | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
@@ -54,17 +56,37 @@ def learn_repertoire(
     """Learns a repertoire (name or file) in a folder, with the files of FILES, and returns the content of errors.json.
 
     A library that the folder has already is kept, if the folder has the same repertoire. batches: replaces the number
-    in the file. on_planned: called after each plan with the number of plans and of movements; on_round, on_batch: see
-    `train_step`. Raises RunFolderError if the folder has another repertoire.
+    in the file. resume: whether to continue a training that was stopped, which then ends with the same policy as if it
+    had not been; if there is none, the training begins. on_planned: called after each plan with the number of plans and
+    of movements; on_round, on_batch: see `train_step`. Raises RunFolderError if the folder has another repertoire or
+    another process works in it, TrainingError if the training to continue had another seed or other settings.
     """
     repertoire = load_repertoire(source)
+    _claim(find_repertoire(source), folder / FILES["repertoire"])
+    with locked(folder):
+        return _learn(repertoire, folder, seed, batches, resume, on_planned, on_round, on_batch)
+
+
+def _learn(
+    repertoire: Repertoire,
+    folder: Path,
+    seed: int,
+    batches: int | None,
+    resume: bool,
+    on_planned: OnPlanned | None,
+    on_round: Callable[[int, int], None] | None,
+    on_batch: Callable[[BatchReport], None] | None,
+) -> dict[str, Any]:
+    """See `learn_repertoire`. The folder is locked."""
     path = {name: folder / file for name, file in FILES.items()}
-    _claim(find_repertoire(source), path["repertoire"])
+    checkpoint = folder / CHECKPOINT
     settings = with_batches(repertoire.training, batches)
     start = time.perf_counter()
     library = library_of(repertoire, repertoire.movements, path["library"], on_planned)
     planned = time.perf_counter()
     tasks = repertoire.tasks(library)
+    if not resume:
+        checkpoint.unlink(missing_ok=True)
     policy = train(
         ArmVectorEnv(tasks, settings.environments, redraw=True),
         settings,
@@ -78,6 +100,7 @@ def learn_repertoire(
             lambda number: on_round(number, settings.imitation_rounds) if on_round else None,
         ),
         log_path=path["log"],
+        resume_path=checkpoint,
         on_batch=on_batch,
     )
     policy.save(path["policy"])
@@ -93,6 +116,7 @@ def learn_repertoire(
     }
     with replacement(path["errors"]) as partial:
         partial.write_text(json.dumps(errors, indent=1) + "\n", encoding="utf-8")
+    checkpoint.unlink(missing_ok=True)
     return errors
 
 

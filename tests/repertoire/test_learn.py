@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from drakearm.errors import PolicyFileError, RunFolderError, ScenarioError
+from drakearm.errors import PolicyFileError, RunFolderError, ScenarioError, TrainingError
+from drakearm.files.lock import locked
 from drakearm.learning import Policy
 from drakearm.planning import Library
 from drakearm.repertoire import held_out_errors, learn_repertoire, load_repertoire
@@ -40,6 +41,40 @@ def test_the_library_is_kept_and_the_seed_determines_the_policy(learned, small, 
     monkeypatch.setattr(module, "plan_library", None)  # a call would fail
     learn_repertoire(small, tmp_path)
     assert (tmp_path / "policy.safetensors").read_bytes() == (folder / "policy.safetensors").read_bytes()
+
+
+def test_a_stopped_training_is_continued(learned, small, tmp_path, monkeypatch):
+    """Stopped after the first of two batches. It ends as one that was not stopped; another seed is refused."""
+    folder, _ = learned
+    monkeypatch.setattr(module, "HELD_OUT", 2)
+
+    class Stopped(Exception):
+        pass
+
+    def stop(report):
+        if report.batch == 1:
+            raise Stopped
+
+    for name in ("whole", "stopped"):
+        (tmp_path / name).mkdir()
+        for file in ("library.npz", "held_out.npz"):
+            (tmp_path / name / file).write_bytes((folder / file).read_bytes())
+    learn_repertoire(small, tmp_path / "whole", batches=2)
+    with pytest.raises(Stopped):
+        learn_repertoire(small, tmp_path / "stopped", batches=2, on_batch=stop)
+    with pytest.raises(TrainingError, match="another seed"):
+        learn_repertoire(small, tmp_path / "stopped", batches=2, seed=1, resume=True)
+    batches = []
+    learn_repertoire(small, tmp_path / "stopped", batches=2, resume=True, on_batch=batches.append)
+    assert [report.batch for report in batches] == [2]
+    whole, continued = (tmp_path / name / "policy.safetensors" for name in ("whole", "stopped"))
+    assert whole.read_bytes() == continued.read_bytes()
+    assert sorted(file.name for file in continued.parent.iterdir()) == sorted(module.FILES.values())
+
+
+def test_two_processes_do_not_learn_in_one_folder(small, tmp_path):
+    with locked(tmp_path), pytest.raises(RunFolderError, match="at work"):
+        learn_repertoire(small, tmp_path)
 
 
 def test_a_folder_with_another_repertoire_is_refused(learned):
