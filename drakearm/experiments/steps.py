@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from drakearm.errors import RunFolderError, TrainingError, shown
+from drakearm.experiments.captions import caption
 from drakearm.experiments.choices import EnvKind, Preset
 from drakearm.experiments.environments import make_training_envs
 from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_policy_stochastic, versions
@@ -169,6 +170,8 @@ def replay_step(run: RunFolder) -> Path:
     with run.locked():
         scenario = run.scenario()
         recording = Recording.load(run.existing("recording", "evaluate"))
+        metrics, plan = run.read_json("metrics", "evaluate"), run.read_json("plan", "plan")
+        weakness = "" if plan["feasibility"]["feasible"] else plan["feasibility"]["verdict"]
         with run.replacing("replay", arm_folder(scenario.arm)) as new:
             write_replay(
                 new.path("replay"),
@@ -176,7 +179,7 @@ def replay_step(run: RunFolder) -> Path:
                 recording,
                 load_mass=scenario.load_mass,
                 obstacle=scenario.obstacle,
-                title=scenario.name,
+                caption=caption(scenario.name, scenario.description, metrics["noise_free"], weakness),
             )
             with new.path("replay").open("a", encoding="utf-8") as page:
                 page.write(f"\n<!-- made from {json.dumps(new.made_from())} -->\n")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drakearm.errors import PlanningError
+from drakearm.experiments.captions import caption
 from drakearm.experiments.metrics import run_metrics, run_policy
 from drakearm.experiments.success import HandAtGoal
 from drakearm.figures.movement_picture import Movement, write_movement_picture
@@ -52,7 +53,7 @@ class Move:
             self.recording,
             load_mass=self.task.load_mass,
             obstacle=self.task.obstacle,
-            title=self.report.name,
+            caption=caption("move", self.report.description, self.metrics),
         )
         return files
 

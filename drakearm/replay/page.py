@@ -1,17 +1,30 @@
-"""The web page of a replay: Meshcat's page with a title, a legend and controls for the time."""
+"""The web page of a replay: Meshcat's page with a caption, a legend, controls, and a strip of angles and activations.
+
+What the browser does is in page.html, page.css and page.js, which stand beside this file.
+"""
 
 import html
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
 from string import Template
 
 import numpy as np
 from pydrake.geometry import Rgba
 
-from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR
+from drakearm.model import Arm
+from drakearm.model.recording import Recording
+from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, View
 from drakearm.systems.muscle_visualizer import activation_color
 
+JOINT_COLORS = ("#3b8ed0", "#e0803c", "#2fae86", "#c97bb0", "#d2a52a", "#7fb7dd")  # readable on white and on black
+_SHADES = 64  # of the strip's colors
 # Lets the browser refuse every request to another place: all that the page may load is inside of it.
 _POLICY = """
 <meta http-equiv="Content-Security-Policy" content="default-src 'unsafe-inline' 'unsafe-eval' data: blob:">
+<meta name="viewport" content="width=device-width, initial-scale=1">
 """
 # Meshcat's page runs each command as soon as it is decoded, in any order. But an animation of colors only works on
 # objects that exist already. This script makes the page run the commands in their original order.
@@ -26,84 +39,66 @@ _ORDER = """
   };
 </script>
 """
-_OVERLAY = Template("""
-<style>
-  .replay { position: fixed; left: 28px; user-select: none; }
-  .replay { font: 15px/1.5 system-ui, sans-serif; color: #2b3440; }
-  #replay-caption { top: 22px; pointer-events: none; }
-  #replay-caption h1 { font-size: 22px; font-weight: 600; margin: 0; }
-  #replay-legend { bottom: 76px; pointer-events: none; }
-  #replay-legend i { display: inline-block; width: 96px; height: 12px; margin-right: 10px; }
-  #replay-legend i { vertical-align: middle; }
-  #replay-time { right: 28px; bottom: 22px; display: flex; gap: 14px; align-items: center; }
-  #replay-time input { flex: 1; accent-color: #51606f; }
-  #replay-time button { font: inherit; width: 76px; padding: 4px 0; }
-  #replay-time output { width: 62px; font-variant-numeric: tabular-nums; text-align: right; }
-  .dg.main { opacity: 0.3; } .dg.main:hover { opacity: 1; }
-</style>
-<div class="replay" id="replay-caption"><h1>$title</h1>slow motion, $speed of real time</div>
-<div class="replay" id="replay-legend">
-  <div><i style="background: linear-gradient(90deg, $ramp)"></i>muscle activation, 0 to 1</div>
-  <div><i style="background: $ghost"></i>reference</div>
-  <div><i style="height: 3px; background: $path"></i>path of the hand</div>
-</div>
-<div class="replay" id="replay-time">
-  <button>Pause</button>
-  <input type="range" min="0" max="$duration" step="0.001" value="0">
-  <output></output>
-</div>
-<script>
-  {
-    window.fetch = unordered_fetch;
-    const speed = $rate, duration = $duration;
-    const [button, slider, clock] = document.getElementById("replay-time").children;
-    const animator = viewer.animator;
-    const set_playing = playing => {
-      playing ? animator.play() : animator.pause();
-      button.textContent = playing ? "Pause" : "Play";
-    };
-    const seek = time => {
-      set_playing(false);
-      animator.seek(time / speed);
-      animator.display_progress(time / speed);
-    };
-    const seek_address = () => {
-      const time = new URLSearchParams(location.hash.slice(1)).get("t");
-      if (time !== null) seek(Number(time));
-    };
-    button.onclick = () => set_playing(!animator.playing);
-    slider.oninput = () => seek(slider.valueAsNumber);
-    window.onhashchange = seek_address;
-    const show_time = () => {
-      const time = Math.min(animator.time * speed, duration);
-      slider.value = time;
-      clock.value = time.toFixed(2) + " s";
-      requestAnimationFrame(show_time);
-    };
-    commands.then(() => setTimeout(() => { seek_address(); show_time(); }));
-  }
-</script>
-""")
 
 
-def make_page(meshcat_html: str, title: str, speed: float, duration: float) -> str:
-    """Adds a caption, a legend and time controls to the page of `Meshcat.StaticHtml()`.
+@dataclass(frozen=True)
+class Caption:
+    """What stands above a replay: what moves, how well, and a verdict: green, or red if the movement failed."""
 
-    title: any text. speed: of the animation, as a fraction of real time. duration: s, of the movement in real time.
+    title: str
+    lines: Sequence[str] = ()
+    verdict: str = ""
+    failed: bool = False
+
+    @property
+    def html(self) -> str:
+        lines = [f"<h1>{html.escape(self.title)}</h1>", *(f"<p>{html.escape(line)}</p>" for line in self.lines)]
+        if self.verdict:
+            lines.append(f'<p class="{"bad" if self.failed else "good"}">{html.escape(self.verdict)}</p>')
+        return "".join(lines)
+
+
+def make_page(
+    meshcat_html: str, caption: Caption, speed: float, recording: Recording, arm: Arm, views: Mapping[str, View]
+) -> str:
+    """Adds all controls to the page of `Meshcat.StaticHtml()`.
+
+    speed: of the animation, as a fraction of real time. recording: the movement that it shows. views: of the buttons.
     """
-    title = html.escape(title)
-    overlay = _OVERLAY.substitute(
-        title=title,
-        speed=f"{speed:.0%}",
-        ramp=", ".join(_css(Rgba(*c)) for c in activation_color(np.linspace(0.0, 1.0, 6))),
+    title = html.escape(caption.title)
+    duration = float(recording.t[-1] - recording.t[0])
+    ramp = [_css(Rgba(*color)) for color in activation_color(np.linspace(0.0, 1.0, _SHADES))]
+    data = {
+        "speed": speed,
+        "duration": duration,
+        "views": {name: asdict(view) for name, view in views.items()},
+        "t": np.round(recording.t - recording.t[0], 4).tolist(),
+        "q": np.round(np.rad2deg(recording.q), 2).tolist(),
+        "reference_q": np.round(np.rad2deg(recording.reference_q), 2).tolist(),
+        "activation": np.round(recording.activation, 3).tolist(),
+        "joints": list(arm.coordinates),
+        "joint_colors": [JOINT_COLORS[j % len(JOINT_COLORS)] for j in range(len(arm.coordinates))],
+        "muscles": [muscle.name for muscle in arm.muscles],
+        "ramp": ramp,
+    }
+    overlay = Template(_file("page.html")).substitute(
+        style=_file("page.css"),
+        script=_file("page.js"),
+        caption=caption.html,
+        ramp=", ".join(ramp[:: _SHADES // 8]),
         ghost=_css(GHOST_COLOR),
         path=_css(PATH_COLOR),
-        rate=repr(float(speed)),
-        duration=repr(float(duration)),
+        duration=repr(duration),
+        data=json.dumps(data).replace("<", "\\u003c"),  # so that no name can end the script
     )
     page = meshcat_html.replace("<title>Drake MeshCat</title>", f"<title>{title}</title>")
     page = page.replace("<head>", f"<head>{_POLICY}", 1).replace("</head>", f"{_ORDER}</head>")
     return page.replace("</body>", f"{overlay}</body>")
+
+
+@cache
+def _file(name: str) -> str:
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
 def _css(color: Rgba) -> str:

@@ -10,7 +10,7 @@ from drakearm.model import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.replay.page import make_page
+from drakearm.replay.page import Caption, make_page
 from drakearm.replay.scene import ReplayScene
 
 PLAYBACK_SPEED = 0.25  # movements last less than a second
@@ -25,19 +25,23 @@ def write_replay(
     *,
     load_mass: float = 0.0,
     obstacle: Obstacle | None = None,
-    title: str = "drakearm replay",
+    caption: Caption | None = None,
 ) -> None:
     """Writes a web page that repeats the recorded movement in slow motion.
 
-    It shows the arm with muscles colored by activation, the reference posture as a ghost, and the path of the hand's
-    tip. It also shows the load (load_mass, kg) and the obstacle, if there are any. Append #t=0.3 to the page's address
-    to pause the replay at 0.3 s. Raises RunFolderError if the recording is not of this arm, StorageError if the file
-    cannot be written. An earlier file is left then.
+    It shows the arm with muscles colored by activation, the reference posture as a ghost, the path of the hand's tip,
+    and a strip of angles and activations. It also shows the load (load_mass, kg) and the obstacle, if there are any.
+    caption: what moves and how well.
+
+    The space bar plays and pauses, the arrow keys move by 10 ms, and #t=0.3 at the end of the page's address pauses
+    the replay at 0.3 s. Raises RunFolderError if the recording is not of this arm, StorageError if the file cannot be
+    written. An earlier file is left then.
     """
     recording.check(arm)
     scene = ReplayScene(arm, load_mass, obstacle)
     scene.draw_tip_path(recording.q)
-    scene.frame_camera(np.vstack([recording.q, recording.reference_q]))
+    views = scene.views(np.vstack([recording.q, recording.reference_q]))
+    scene.set_camera(views["oblique"])
     scene.draw(recording, 0)
     frames_per_second = PLAYBACK_SPEED / CONTROL_STEP
     meshcat = scene.meshcat
@@ -51,6 +55,7 @@ def write_replay(
     animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
     animation.set_repetitions(_REPETITIONS)
     meshcat.PublishRecording()
-    page = make_page(meshcat.StaticHtml(), title, PLAYBACK_SPEED, recording.t[-1] - recording.t[0])
+    caption = caption or Caption("drakearm replay")
+    page = make_page(meshcat.StaticHtml(), caption, PLAYBACK_SPEED, recording, arm, views)
     with replacement(Path(file)) as partial:
         partial.write_text(page, encoding="utf-8")

@@ -1,5 +1,7 @@
 """The scene of a replay in its own Meshcat: the arm with its muscles, and the reference as a ghost."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -19,9 +21,21 @@ PATH_COLOR = Rgba(0.95, 0.55, 0.05, 1.0)
 
 _ROOT = "/drakearm"
 _PATH_RADIUS = 0.002  # m
-_VIEW = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
+_OBLIQUE = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
 _FIELD_OF_VIEW = 30.0  # degrees
+_NARROW = 2.0  # degrees, a field of view that shows distances across the view without perspective
 _MARGIN = 1.15  # the distance of the camera over the smallest one that shows the whole arm
+_CLOSE = 0.12  # m, around the path of the hand
+
+
+@dataclass(frozen=True)
+class View:
+    """How a camera looks at a ball that holds what is to be seen. In Meshcat's world, whose z axis points up."""
+
+    center: list[float]  # m
+    radius: float  # m
+    direction: list[float]  # from the center to the camera, of length 1
+    fov: float  # degrees
 
 
 class ReplayScene:
@@ -71,22 +85,46 @@ class ReplayScene:
                 self.meshcat.SetTransform(f"{piece}/line", RigidTransform([0.0, 0.0, 0.5 * length]))
                 self.meshcat.SetObject(f"{piece}/line", Cylinder(_PATH_RADIUS, length), PATH_COLOR)
 
-    def frame_camera(self, q: np.ndarray) -> None:
-        """Points the camera so that the whole arm is visible at all joint angles q (N, n_q), rad."""
+    def views(self, q: np.ndarray) -> dict[str, View]:
+        """The views in which the arm is visible at all joint angles q (N, n_q), rad.
+
+        oblique: the whole arm. side: the same, exactly along the axis of the last joint, where lengths are true. close:
+        the path of the hand.
+        """
         names = {body for muscle in self._arm.muscles for body, _ in muscle.points}
         bodies = [int(self._plant.GetBodyByName(name).index()) for name in names]
-        points = [self._tip_position(row) for row in q]
+        path = [self._tip_position(row) for row in q]
+        points = list(path)
         for row in q:
             X_WB = self._body_poses(row)
             points += [X_WB[body].translation() for body in bodies]
+        joint = self._plant.GetJointByName(self._arm.coordinates[-1])
+        X_WF = joint.frame_on_parent().CalcPoseInWorld(self._context)
+        across = X_WF.rotation().multiply(joint.revolute_axis())
+        across *= np.sign(across @ _OBLIQUE) or 1.0
+        return {
+            "oblique": self._view(points, _OBLIQUE, _FIELD_OF_VIEW),
+            "side": self._view(points, across, _NARROW),
+            "close": self._view(path, _OBLIQUE, _FIELD_OF_VIEW, _CLOSE),
+        }
+
+    def set_camera(self, view: View) -> None:
+        """Looks at the arm in this view, in a square window."""
+        center = np.array(view.center)
+        distance = view.radius / np.sin(np.radians(0.5 * view.fov))
+        self.meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=view.fov))
+        self.meshcat.SetCameraPose(center + distance * np.array(view.direction), center)
+
+    def _view(self, points: Sequence[np.ndarray], direction: np.ndarray, fov: float, around: float = 0.0) -> View:
+        """The view of points (m, in the world) and of what is around them, as far as `around` (m)."""
         low, high = np.min(points, axis=0), np.max(points, axis=0)
-        target = 0.5 * (low + high)
-        radius = 0.5 * float(np.linalg.norm(high - low))
-        distance = _MARGIN * radius / np.sin(np.radians(0.5 * _FIELD_OF_VIEW))
-        camera = target + distance * _VIEW / np.linalg.norm(_VIEW)
         X_MW = upright(self._arm)
-        self.meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=_FIELD_OF_VIEW))
-        self.meshcat.SetCameraPose(X_MW.multiply(camera), X_MW.multiply(target))
+        return View(
+            center=X_MW.multiply(0.5 * (low + high)).tolist(),
+            radius=_MARGIN * (0.5 * float(np.linalg.norm(high - low)) + around),
+            direction=X_MW.rotation().multiply(direction / np.linalg.norm(direction)).tolist(),
+            fov=fov,
+        )
 
     def _body_poses(self, q: np.ndarray) -> list[RigidTransform]:
         self._plant.SetPositions(self._context, q)

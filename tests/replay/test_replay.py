@@ -22,7 +22,7 @@ from drakearm.model import Arm, load_arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP, Reference
-from drakearm.replay import write_replay
+from drakearm.replay import Caption, write_replay
 from drakearm.replay.page import make_page
 from tests.full_disk import full_disk
 from tests.recordings import still_recording
@@ -49,7 +49,9 @@ def recording(arm: Arm) -> Recording:
 @pytest.fixture(scope="module")
 def page(arm: Arm, recording: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("replay") / "replay.html"
-    write_replay(file, arm, recording, load_mass=2.0, title="Lift <2 kg>")
+    write_replay(
+        file, arm, recording, load_mass=2.0, caption=Caption("Lift <2 kg>", ["by hand"], "failed", failed=True)
+    )
     return file
 
 
@@ -129,11 +131,14 @@ def test_the_title_is_escaped(page: Path) -> None:
 @pytest.mark.parametrize(
     "title", ["</title><script>alert(1)</script>", '"\' onload="alert(1)', "</head>", "$path ${x} $"]
 )
-def test_no_title_can_add_to_the_page(title: str) -> None:
-    page = make_page("<html><head><title>Drake MeshCat</title></head><body></body></html>", title, 0.25, 1.0)
-    plain = make_page("<html><head><title>Drake MeshCat</title></head><body></body></html>", "plain", 0.25, 1.0)
-    assert page.replace(html.escape(title), "plain") == plain
-    assert page.count("<script>") == plain.count("<script>") and page.count("</head>") == 1
+def test_no_title_can_add_to_the_page(title: str, arm: Arm, recording: Recording) -> None:
+    def page(text: str) -> str:
+        frame = "<html><head><title>Drake MeshCat</title></head><body></body></html>"
+        return make_page(frame, Caption(text, [text], text), 0.25, recording, arm, {})
+
+    plain = page("plain")
+    assert page(title).replace(html.escape(title), "plain") == plain
+    assert page(title).count("<script") == plain.count("<script") == 3 and plain.count("</head>") == 1
 
 
 def test_a_full_disk_leaves_the_earlier_page(arm: Arm, recording: Recording, tmp_path: Path) -> None:
