@@ -50,18 +50,19 @@ VARIANTS = {
     "default": Variant("default"),
     # One batch, with a learning rate that is too small to change the policy.
     "imitation-alone": Variant("imitation alone", {"batches": 1, "learning_rate": 1e-12}),
-    "no-imitation": Variant("no imitation, noise from 0.3", {"imitation_rounds": 0, "initial_std": 0.3}),
-    "soft-teacher": Variant("teacher of 400/s^2", {"imitation_stiffness": 400.0}),
     "squares": Variant("squared errors, as in the paper", change_task=lambda task: replace(task, reward=SQUARES)),
-    "less-noise": Variant("noise from 0.03", {"initial_std": 0.03}),
-    "more-noise": Variant("noise from 0.2", {"initial_std": 0.2}),
-    "full": Variant("senses: full", change_task=lambda task: replace(task, senses=OBSERVATIONS["full"])),
+    "no-imitation": Variant("no imitation, noise from 0.3", {"imitation_rounds": 0, "initial_std": 0.3}),
     "no-small-errors": Variant("without small_tracking_error", change_task=without("small_tracking_error")),
+    "no-integral": Variant("without accumulated_error", change_task=without("accumulated_error")),
     "no-force": Variant("without tendon_force", change_task=without("tendon_force")),
     "no-recent": Variant("without recent_excitation", change_task=without("recent_excitation")),
+    "less-noise": Variant("noise from 0.03", {"initial_std": 0.03}),
     "64-arms": Variant("64 arms", {"environments": 64, "minibatches": 8}),
-    "384-arms": Variant("384 arms, half the batches", {"environments": 384, "minibatches": 48, "batches": 50}),
     "narrow": Variant("layers of half the width", {"actor_layers": "half"}),
+    "full": Variant("senses: full", change_task=lambda task: replace(task, senses=OBSERVATIONS["full"])),
+    "soft-teacher": Variant("teacher of 400/s^2", {"imitation_stiffness": 400.0}),
+    "more-noise": Variant("noise from 0.2", {"initial_std": 0.2}),
+    "384-arms": Variant("384 arms, half the batches", {"environments": 384, "minibatches": 48, "batches": 50}),
 }
 QUICK = ("default", "imitation-alone", "squares", "no-force")
 
