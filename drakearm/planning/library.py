@@ -88,6 +88,7 @@ def plan_library(
 def _plan_one(arm: Arm, source: MovementSource, seed: list[int]) -> tuple[Reference, float]:
     """A movement that the muscles can make, and its load."""
     rng = np.random.default_rng(seed)
+    source = source.pick(rng)
     for _ in range(_DRAWS):
         movement, load_mass = source.draw(arm, rng)
         if not all(_can_rest(arm, q, load_mass) for q in (movement.start, movement.target)):

@@ -34,6 +34,10 @@ class MovementSource(Kind):
     A scenario file can name it by its `type` once the module that defines it is imported.
     """
 
+    def pick(self, rng: np.random.Generator) -> "MovementSource":
+        """The source that draws the next movement: by default this one. See `Mixture`."""
+        return self
+
     def draw(self, arm: Arm, rng: np.random.Generator) -> Drawn:
         """Draws a movement. It need not be one that the muscles can make: `plan_library` tests this.
 
@@ -107,7 +111,10 @@ class Reaches(MovementSource):
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Mixture(MovementSource):
-    """Movements of several sources. Each movement comes from one of them, which is drawn with the chances `shares`."""
+    """Movements of several sources. Each movement comes from one of them, which is drawn with the chances `shares`.
+
+    The source is drawn once per movement, so that the shares are also those of the movements that the muscles can make.
+    """
 
     type = "mixture"
     sources: Annotated[list[Source], Field(min_length=1, max_length=50)]
@@ -119,6 +126,9 @@ class Mixture(MovementSource):
             raise ValueError(f"found {len(self.shares)} shares, expected {len(self.sources)}, one per source")
         return self
 
-    def draw(self, arm: Arm, rng: np.random.Generator) -> Drawn:
+    def pick(self, rng: np.random.Generator) -> MovementSource:
         shares = np.array(self.shares) / np.sum(self.shares)
-        return self.sources[int(rng.choice(len(shares), p=shares))].draw(arm, rng)
+        return self.sources[int(rng.choice(len(shares), p=shares))].pick(rng)
+
+    def draw(self, arm: Arm, rng: np.random.Generator) -> Drawn:
+        return self.pick(rng).draw(arm, rng)

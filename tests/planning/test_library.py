@@ -82,3 +82,12 @@ def test_a_mixture_draws_from_each_source_by_its_share(arm):
     assert np.mean(np.array(loads) > 4.0) == pytest.approx(0.75, abs=0.1)
     with pytest.raises(ValidationError, match="found 1 shares, expected 2"):
         Mixture(sources=[SOURCE, heavy], shares=[1.0])
+
+
+def test_the_shares_are_those_of_the_movements_that_the_muscles_can_make(arm):
+    """Most loads of the second source are too heavy. Half of the movements have its loads nevertheless."""
+    heavy = replace(SOURCE, load_mass=(1.0, 30.0))
+    library = plan_library(arm, Mixture(sources=[SOURCE, heavy], shares=[1.0, 1.0]), 24, seed=3, jobs=1)
+    loads = [Mixture(sources=[SOURCE, heavy], shares=[1.0, 1.0]).pick(np.random.default_rng([3, k])) for k in range(24)]
+    np.testing.assert_array_equal(library.load_mass >= 1.0, [source is heavy for source in loads])
+    assert 6 <= np.sum(library.load_mass >= 1.0) <= 18
