@@ -10,7 +10,8 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from drakearm.diagrams.perturbation import Perturbation
 from drakearm.diagrams.tracking_task import AddTrackingTask, TaskSystems
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
+from drakearm.systems.muscle_drawing import upright
+from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.policy_controller import Policy, PolicyController
 from drakearm.systems.reach_source import Planner, ReachSource
 from drakearm.task import TrackingTask

@@ -12,7 +12,8 @@ from drakearm.diagrams.tracking_task import TaskSystems
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import hand_motion
-from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
+from drakearm.systems.muscle_drawing import upright
+from drakearm.systems.muscle_visualizer import MuscleVisualizer
 
 _OF_MUSCLES = (  # outputs of HillMuscles that are recorded
     "activation",

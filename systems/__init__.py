@@ -5,7 +5,8 @@ from drakearm.systems.compiled_skeleton import CompiledSkeleton
 from drakearm.systems.delay_line import DelayLine
 from drakearm.systems.hill_muscles import HillMuscles, HillMuscles_
 from drakearm.systems.joint_stops import JointStops
-from drakearm.systems.muscle_visualizer import MuscleVisualizer, upright
+from drakearm.systems.muscle_drawing import upright
+from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.noise import Noise
 from drakearm.systems.policy_controller import PolicyController
 from drakearm.systems.proprioception import Proprioception

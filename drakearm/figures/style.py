@@ -10,7 +10,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from drakearm.files import replacement
-from drakearm.systems.muscle_visualizer import activation_color
+from drakearm.systems.muscle_drawing import activation_color
 
 # Okabe and Ito's colors, which color-blind readers can tell apart
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7")

@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from pydrake.geometry import Sphere
-from pydrake.math import RigidTransform
+from pydrake.geometry import Cylinder
+from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex, MultibodyForces, SpatialInertia
+from pydrake.multibody.tree import ModelInstanceIndex, MultibodyForces, RigidBody, SpatialInertia
 from pydrake.systems.framework import Context
 
 from drakearm.errors import ArmError
@@ -15,6 +15,7 @@ from drakearm.model.skeleton_file import LOAD, check_skeleton, parse_skeleton
 
 _IRON = 7870.0  # kg/m^3
 _LOAD_COLOR = np.array([0.25, 0.27, 0.30, 1.0])
+_GRIP, _BAR_RADIUS = 0.03, 0.009  # m, from the middle of a dumbbell to its discs, and of its bar
 
 
 def load_inertia(mass: float) -> SpatialInertia:
@@ -32,10 +33,11 @@ def add_skeleton(
 ) -> ModelInstanceIndex:
     """Parses the arm's skeleton into a plant that is not finalized yet and sets the arm's gravity.
 
-    load_mass: kg, of an iron ball that is centered on the arm's load frame and welded to it, as body "load".
-    variable_load: whether the plant has this body even without a mass, so that a context can give it one. The plant has
-    the skeleton's joint limits, but a continuous plant does not enforce them (see `JointStops`). Raises ArmError
-    where the skeleton is damaged, lacks a joint, frame or body that the arm names, or cannot be moved by joint torques.
+    load_mass: kg, of an iron ball that is centered on the arm's load frame and welded to it, as body "load"; it is
+    drawn as a dumbbell. variable_load: whether the plant has this body even without a mass, so that a context can give
+    it one. The plant has the skeleton's joint limits, but a continuous plant does not enforce them (see `JointStops`).
+    Raises ArmError where the skeleton is damaged, lacks a joint, frame or body that the arm names, or cannot be moved
+    by joint torques.
     """
     if not (math.isfinite(load_mass) and load_mass >= 0.0):
         raise ArmError(f"The load is {load_mass} kg: expected a mass that is not negative.")
@@ -46,8 +48,21 @@ def add_skeleton(
         load = plant.AddRigidBody(LOAD, model, load_inertia(load_mass))
         plant.WeldFrames(plant.GetFrameByName(arm.load_frame, model), load.body_frame())
         if _radius(load_mass) > 0.0 and plant.geometry_source_is_registered():
-            plant.RegisterVisualGeometry(load, RigidTransform(), Sphere(_radius(load_mass)), LOAD, _LOAD_COLOR)
+            _draw_dumbbell(plant, load, load_mass)
     return model
+
+
+def _draw_dumbbell(plant: MultibodyPlant, load: RigidBody, mass: float) -> None:
+    """Two iron discs, with the mass together, on a bar along x, so that the hand between them stays visible."""
+    radius = (mass / (math.pi * _IRON)) ** (1.0 / 3.0)  # of a disc that is half as thick
+    parts = [("bar", 0.0, _BAR_RADIUS, 2.0 * _GRIP), ("front", _GRIP, radius, 0.5 * radius)]
+    parts.append(("back", -_GRIP, radius, 0.5 * radius))
+    along_x = RotationMatrix.MakeYRotation(0.5 * math.pi)
+    for name, x, of, length in parts:
+        at = x + math.copysign(0.5 * length, x) if x else 0.0
+        plant.RegisterVisualGeometry(
+            load, RigidTransform(along_x, [at, 0.0, 0.0]), Cylinder(of, length), f"{LOAD}_{name}", _LOAD_COLOR
+        )
 
 
 def inverse_dynamics(plant: MultibodyPlant, context: Context, a: np.ndarray) -> np.ndarray:

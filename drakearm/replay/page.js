@@ -163,11 +163,26 @@
     label.style.top = event.clientY + 14 + "px";
   });
 
+  // The mass of the load, above it.
+  const load_label = document.getElementById("replay-load"), place = new MeshCat.THREE.Vector3();
+  const show_load = () => {
+    if (!data.load) return;
+    const box = viewer.renderer.domElement.getBoundingClientRect();
+    viewer.scene_tree.find(["drakearm", "arm", "load"]).object.getWorldPosition(place);
+    place.y += 0.09;
+    place.project(viewer.camera);
+    load_label.textContent = data.load;
+    load_label.style.display = "block";
+    load_label.style.left = box.left + box.width * (place.x + 1) / 2 + "px";
+    load_label.style.top = box.top + box.height * (1 - place.y) / 2 + "px";
+  };
+
   const show_time = () => {
     if (animator.playing && !loop && time_now() >= data.duration - 1e-3) seek(data.duration);
     slider.value = time_now();
     clock.value = time_now().toFixed(2) + " s";
     draw_cursor();
+    show_load();
     requestAnimationFrame(show_time);
   };
   commands.then(() => setTimeout(() => {

@@ -16,8 +16,8 @@ from pydrake.geometry import Rgba
 
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
-from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, View
-from drakearm.systems.muscle_visualizer import activation_color
+from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, TARGET_COLOR, TARGET_RADIUS, View
+from drakearm.systems.muscle_drawing import activation_color
 
 JOINT_COLORS = ("#3b8ed0", "#e0803c", "#2fae86", "#c97bb0", "#d2a52a", "#7fb7dd")  # readable on white and on black
 _SHADES = 64  # of the strip's colors
@@ -59,11 +59,18 @@ class Caption:
 
 
 def make_page(
-    meshcat_html: str, caption: Caption, speed: float, recording: Recording, arm: Arm, views: Mapping[str, View]
+    meshcat_html: str,
+    caption: Caption,
+    speed: float,
+    recording: Recording,
+    arm: Arm,
+    views: Mapping[str, View],
+    load_mass: float = 0.0,
 ) -> str:
     """Adds all controls to the page of `Meshcat.StaticHtml()`.
 
     speed: of the animation, as a fraction of real time. recording: the movement that it shows. views: of the buttons.
+    load_mass: kg, which is written beside the load.
     """
     title = html.escape(caption.title)
     duration = float(recording.t[-1] - recording.t[0])
@@ -80,6 +87,7 @@ def make_page(
         "joint_colors": [JOINT_COLORS[j % len(JOINT_COLORS)] for j in range(len(arm.coordinates))],
         "muscles": [muscle.name for muscle in arm.muscles],
         "ramp": ramp,
+        "load": f"{load_mass:g} kg" if load_mass > 0.0 else "",
     }
     overlay = Template(_file("page.html")).substitute(
         style=_file("page.css"),
@@ -88,6 +96,8 @@ def make_page(
         ramp=", ".join(ramp[:: _SHADES // 8]),
         ghost=_css(GHOST_COLOR),
         path=_css(PATH_COLOR),
+        target=_css(TARGET_COLOR),
+        target_size=f"{100 * TARGET_RADIUS:g} cm",
         duration=repr(duration),
         data=json.dumps(data).replace("<", "\\u003c"),  # so that no name can end the script
     )

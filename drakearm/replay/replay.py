@@ -14,6 +14,7 @@ from drakearm.replay.page import Caption, make_page
 from drakearm.replay.scene import ReplayScene
 
 PLAYBACK_SPEED = 0.25  # movements last less than a second
+_EVERY = 2  # samples: the browser interpolates between these, so that the page is not too large
 _PAUSE = 0.15  # s of movement time, between the end of one repetition and the start of the next
 _REPETITIONS = 1_000_000  # in practice it repeats indefinitely
 
@@ -30,8 +31,8 @@ def write_replay(
     """Writes a web page that repeats the recorded movement in slow motion.
 
     It shows the arm with muscles colored by activation, the reference posture as a ghost, the path of the hand's tip,
-    and a strip of angles and activations. It also shows the load (load_mass, kg) and the obstacle, if there are any.
-    caption: what moves and how well.
+    its target, and a strip of angles and activations. It also shows the load (load_mass, kg) and the obstacle, if there
+    are any. caption: what moves and how well.
 
     The space bar plays and pauses, the arrow keys move by 10 ms, and #t=0.3 at the end of the page's address pauses
     the replay at 0.3 s. Raises RunFolderError if the recording is not of this arm, StorageError if the file cannot be
@@ -40,6 +41,7 @@ def write_replay(
     recording.check(arm)
     scene = ReplayScene(arm, load_mass, obstacle)
     scene.draw_tip_path(recording.q)
+    scene.draw_target(recording.reference_q[-1])
     views = scene.views(np.vstack([recording.q, recording.reference_q]))
     scene.set_camera(views["oblique"])
     scene.draw(recording, 0)
@@ -48,7 +50,8 @@ def write_replay(
     meshcat.StartRecording(frames_per_second, set_visualizations_while_recording=False)
     last = len(recording.t) - 1
     pause = round(_PAUSE / CONTROL_STEP)
-    for frame, i in [*((i, i) for i in range(last + 1)), (last + pause, last)]:
+    shown = sorted({*range(0, last, _EVERY), last})
+    for frame, i in [*((i, i) for i in shown), (last + pause, last)]:
         scene.draw(recording, i, (frame + 0.5) / frames_per_second)  # half a frame more, because Meshcat rounds down
     meshcat.StopRecording()
     animation = meshcat.get_mutable_recording()
@@ -56,6 +59,6 @@ def write_replay(
     animation.set_repetitions(_REPETITIONS)
     meshcat.PublishRecording()
     caption = caption or Caption("drakearm replay")
-    page = make_page(meshcat.StaticHtml(), caption, PLAYBACK_SPEED, recording, arm, views)
+    page = make_page(meshcat.StaticHtml(), caption, PLAYBACK_SPEED, recording, arm, views, load_mass)
     with replacement(Path(file)) as partial:
         partial.write_text(page, encoding="utf-8")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from pydrake.geometry import Cylinder, Meshcat, MeshcatParams, Rgba, SceneGraph
+from pydrake.geometry import Cylinder, Meshcat, MeshcatParams, Rgba, SceneGraph, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
@@ -14,10 +14,12 @@ from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.skeleton import add_skeleton
 from drakearm.replay.skeleton_drawing import SkeletonDrawing
-from drakearm.systems.muscle_visualizer import MuscleDrawing, segment_pose, upright
+from drakearm.systems.muscle_drawing import MuscleDrawing, segment_pose, upright
 
 GHOST_COLOR = Rgba(0.0, 0.58, 0.55, 0.25)
 PATH_COLOR = Rgba(0.95, 0.55, 0.05, 1.0)
+TARGET_COLOR = Rgba(0.10, 0.65, 0.35, 0.55)
+TARGET_RADIUS = 0.01  # m
 
 _ROOT = "/drakearm"
 _PATH_RADIUS = 0.002  # m
@@ -84,6 +86,11 @@ class ReplayScene:
                 self.meshcat.SetTransform(piece, pose)
                 self.meshcat.SetTransform(f"{piece}/line", RigidTransform([0.0, 0.0, 0.5 * length]))
                 self.meshcat.SetObject(f"{piece}/line", Cylinder(_PATH_RADIUS, length), PATH_COLOR)
+
+    def draw_target(self, q: np.ndarray) -> None:
+        """Draws a ball where the tip of the hand is at joint angles q (n_q,), rad."""
+        self.meshcat.SetObject(f"{_ROOT}/target", Sphere(TARGET_RADIUS), TARGET_COLOR)
+        self.meshcat.SetTransform(f"{_ROOT}/target", RigidTransform(self._tip_position(q)))
 
     def views(self, q: np.ndarray) -> dict[str, View]:
         """The views in which the arm is visible at all joint angles q (N, n_q), rad.

@@ -5,6 +5,8 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
+from drakearm.model.skeleton_file import LOAD
+
 _PLAIN = Rgba(0.9, 0.9, 0.9, 1.0)
 _GHOST_SCALE = [1.35, 1.35, 1.02]  # twice across a capsule, then along it
 _BACK_SIDE = 1.0  # three.js: draws only the back side of each face
@@ -23,8 +25,9 @@ class SkeletonDrawing:
     ):
         """plant: finalized, and registered as a source of the scene_graph.
 
-        ghost: if given, the shapes are drawn as a ghost in this color. Only the bodies that move are drawn, slightly
-        thicker, and only the far side of their surfaces. So a ghost at the same place as the body looks like a rim.
+        ghost: if given, the shapes are drawn as a ghost in this color. Only the bodies that move are drawn, without a
+        load, slightly thicker, and only the far side of their surfaces. So a ghost at the same place as the body looks
+        like a rim.
         """
         self._meshcat = meshcat
         self._bodies: list[tuple[int, str]] = []
@@ -32,7 +35,7 @@ class SkeletonDrawing:
         for i in range(plant.num_bodies()):
             body = plant.get_body(BodyIndex(i))
             geometries = plant.GetVisualGeometriesForBody(body)
-            if not geometries or (ghost is not None and plant.IsAnchored(body)):
+            if not geometries or (ghost is not None and (plant.IsAnchored(body) or body.name() == LOAD)):
                 continue
             self._bodies.append((i, f"{path}/{body.name()}"))
             for k, geometry in enumerate(geometries):

@@ -10,7 +10,7 @@ from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import add_skeleton
 from drakearm.replay import Caption, write_replay
-from drakearm.systems.muscle_visualizer import activation_color, upright
+from drakearm.systems.muscle_drawing import activation_color, upright
 from tests.browser import needs_chromium, visit
 from tests.recordings import still_recording
 

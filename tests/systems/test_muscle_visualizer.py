@@ -3,7 +3,6 @@
 import re
 import struct
 from base64 import b64decode
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,13 +13,10 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
 from drakearm.model import Arm, MakeTorqueArm, load_arm
-from drakearm.systems.muscle_visualizer import (
-    MuscleDrawing,
-    MuscleVisualizer,
-    activation_color,
-    segment_pose,
-    upright,
-)
+from drakearm.systems.muscle_drawing import MuscleDrawing, activation_color, segment_pose, smooth_path, upright
+from drakearm.systems.muscle_visualizer import MuscleVisualizer
+
+PIECES, TENDON = 11, 2  # pieces per muscle, and those of the tendon at each end
 
 coordinate = st.floats(-1.0, 1.0).map(lambda x: round(x, 4))
 points = st.tuples(coordinate, coordinate, coordinate).map(np.array)
@@ -61,25 +57,41 @@ def test_upright_turns_gravity_down(arm: Arm) -> None:
     np.testing.assert_allclose(upright(arm).rotation().multiply([1.0, 0.0, 0.0]), [1.0, 0.0, 0.0])
 
 
-def test_pieces_join_the_attachment_points(arm: Arm, meshcat: Meshcat) -> None:
+@given(corners=st.lists(points, min_size=2, max_size=7))
+def test_a_smooth_path_goes_through_its_points_in_order(corners: list[np.ndarray]) -> None:
+    path, at = smooth_path(np.array(corners)), 0
+    for corner in corners:
+        distance = np.linalg.norm(path[at:] - corner, axis=1)
+        assert distance.min() < 1e-9
+        at += int(np.argmin(distance))
+
+
+def test_the_pieces_of_a_muscle_join_and_keep_its_volume(arm: Arm, meshcat: Meshcat) -> None:
     plant = MakeTorqueArm(arm)
     context = plant.CreateDefaultContext()
     drawing = MuscleDrawing(meshcat, "/muscles", arm, plant)
     activation = np.linspace(0.0, 1.0, len(arm.muscles))
+    volumes = []
     for q in ([0.0, 0.3], [0.8, 1.5]):
         plant.SetPositions(context, q)
         X_WB = plant.get_body_poses_output_port().Eval(context)
         drawing.draw(X_WB, activation)
         scene = _scene(meshcat)
+        volume = []
         for muscle in arm.muscles:
             p_W = np.array([X_WB[int(plant.GetBodyByName(b).index())].multiply(p) for b, p in muscle.points])
-            for k, (start, end) in enumerate(pairwise(p_W)):
-                piece = f"/muscles/{muscle.name}/{k}"
-                pose = scene[piece, "matrix"].reshape(4, 4).T
-                scale = scene[f"{piece}/cylinder", "scale"]
-                np.testing.assert_allclose(pose[:3, 3], start, atol=1e-12)
-                np.testing.assert_allclose(scale, [1.0, 1.0, np.linalg.norm(end - start)])
-                np.testing.assert_allclose(pose @ [0.0, 0.0, scale[2], 1.0], [*end, 1.0], atol=1e-12)
+            poses = [scene[f"/muscles/{muscle.name}/{k}", "matrix"].reshape(4, 4).T for k in range(PIECES)]
+            scales = np.array([scene[f"/muscles/{muscle.name}/{k}/shape", "scale"] for k in range(PIECES)])
+            starts = [pose[:3, 3] for pose in poses]
+            ends = [(pose @ [0.0, 0.0, scale[2], 1.0])[:3] for pose, scale in zip(poses, scales, strict=True)]
+            np.testing.assert_allclose([starts[0], ends[-1]], p_W[[0, -1]], atol=1e-9)
+            np.testing.assert_allclose(starts[1:], ends[:-1], atol=1e-9)
+            belly = scales[TENDON:-TENDON]
+            volume.append(float((belly[:, 0] * belly[:, 1] * belly[:, 2]).sum()))
+            assert (scales[:TENDON, 0] * 0.25 < 0.5 * belly[:, 0].max()).all()  # tendons are thinner
+        volumes.append(volume)
+    # Where the belly bends, its straight pieces are a little shorter than the path.
+    np.testing.assert_allclose(volumes[0], volumes[1], rtol=0.06)
 
 
 def test_color_properties_hold_linear_light(arm: Arm, meshcat: Meshcat) -> None:
@@ -87,7 +99,7 @@ def test_color_properties_hold_linear_light(arm: Arm, meshcat: Meshcat) -> None:
     X_WB = plant.get_body_poses_output_port().Eval(plant.CreateDefaultContext())
     MuscleDrawing(meshcat, "/muscles", arm, plant).draw(X_WB, np.ones(len(arm.muscles)))
     scene = _scene(meshcat)
-    shape = f"/muscles/{arm.muscle_names[0]}/0/cylinder/unit/<object>"
+    shape = f"/muscles/{arm.muscle_names[0]}/{TENDON}/shape/surface/<object>"
     linear = np.hstack([scene[shape, f"material.color[{c}]"] for c in "rgb"])
     encoded = 1.055 * linear ** (1 / 2.4) - 0.055  # the definition of sRGB, above its toe
     np.testing.assert_allclose(encoded, activation_color(np.array(1.0)), atol=1e-3)
@@ -104,7 +116,7 @@ def test_a_diagram_moves_the_muscles(arm: Arm, meshcat: Meshcat) -> None:
     diagram.GetInputPort("excitation").FixValue(context, np.zeros(len(arm.muscles)))
 
     def pose() -> np.ndarray:
-        return _scene(meshcat)[f"/drake/muscles/{arm.muscle_names[0]}/1", "matrix"]
+        return _scene(meshcat)[f"/drake/muscles/{arm.muscle_names[0]}/3", "matrix"]
 
     muscle_arm.SetState(context, np.array([0.0, 0.3]))
     diagram.ForcedPublish(context)

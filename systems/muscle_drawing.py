@@ -1,0 +1,199 @@
+"""The muscles of an arm as bodies in Meshcat: pale tendons, and bellies that are colored by their activation."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.common.eigen_geometry import AngleAxis
+from pydrake.geometry import Meshcat, Rgba
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.plant import MultibodyPlant
+from scipy.interpolate import CubicHermiteSpline
+
+from drakearm.model import Arm
+
+TENDON_COLOR = Rgba(0.93, 0.90, 0.82, 1.0)
+_BELLY_PIECES, _TENDON_PIECES = 7, 2  # per muscle, and per muscle and end
+_THICKNESS = 5.0e-4  # m / sqrt(N): radius of a belly at its optimal length over the square root of max_isometric_force
+_TENDON = 0.25  # radius of a tendon over that of the belly's middle
+_SAMPLES = 40  # of a path, from which its pieces are cut
+_SIDES = 12  # of a piece's cross section
+_OVERLAP = 0.04  # by which a piece is longer than its part of the path, so that bends have no gaps
+_SHORTEST = 1e-6  # m: a drawn length of 0 would have no normals
+_RAMP = np.array(  # from slate at rest to red: even steps of lightness and hue in the Oklab space
+    [
+        [0.60, 0.67, 0.76],
+        [0.67, 0.59, 0.64],
+        [0.72, 0.50, 0.52],
+        [0.76, 0.40, 0.40],
+        [0.78, 0.27, 0.27],
+        [0.80, 0.04, 0.10],
+    ]
+)
+
+
+def activation_color(activation: np.ndarray) -> np.ndarray:
+    """The colors (..., 3), sRGB in 0..1, of activations (...): slate at 0, red at 1."""
+    at = np.linspace(0.0, 1.0, len(_RAMP))
+    return np.stack([np.interp(activation, at, channel) for channel in _RAMP.T], axis=-1)
+
+
+def segment_pose(start: np.ndarray, end: np.ndarray) -> tuple[RigidTransform, float]:
+    """The pose of a straight piece of a muscle between two points (3,), m, and the length of the piece, m.
+
+    The origin is at start, and z points to end. If the two points coincide, the axes are those of the parent frame.
+    """
+    along = end - start
+    length = float(np.linalg.norm(along))
+    if length == 0.0:
+        return RigidTransform(start), 0.0
+    return RigidTransform(RotationMatrix.MakeFromOneVector(along, 2), start), length
+
+
+def upright(arm: Arm) -> RigidTransform:
+    """The transform that turns the arm's world upright in Meshcat, whose z axis points up.
+
+    Use it as in `meshcat.SetTransform("/drake", upright(arm))`. Without gravity it is the identity.
+    """
+    gravity = np.array(arm.gravity)
+    if not gravity.any():
+        return RigidTransform()
+    up = -gravity / np.linalg.norm(gravity)
+    axis = np.cross(up, [0.0, 0.0, 1.0])
+    if not axis.any():
+        axis = np.array([1.0, 0.0, 0.0])
+    angle = math.acos(np.clip(up[2], -1.0, 1.0))
+    return RigidTransform(AngleAxis(angle, axis / np.linalg.norm(axis)), np.zeros(3))
+
+
+def smooth_path(points: np.ndarray) -> np.ndarray:
+    """Samples (K, 3) of a smooth curve through points (m, 3), m, in their order: a Catmull-Rom spline."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    points = points[np.append(True, steps > 0.0)]
+    if len(points) < 3:
+        return points[[0, -1]]
+    at = np.append(0.0, np.cumsum(steps[steps > 0.0]))
+    slopes = np.gradient(points, at, axis=0)
+    samples = np.union1d(at, np.linspace(0.0, at[-1], _SAMPLES))
+    return CubicHermiteSpline(at, points, slopes)(samples)
+
+
+class _Drawn(NamedTuple):
+    """A muscle's pieces, tendon, belly and tendon in order, and what their shapes depend on."""
+
+    pieces: list[str]
+    bodies: list[int]
+    points: list[np.ndarray]  # p_BP, m
+    tendon: float  # m, slack length of both tendons together
+    optimal: float  # m, length of the fibers at which the belly has its radius
+    radius: float  # m
+
+
+class MuscleDrawing:
+    """The muscles of an arm in Meshcat, which `draw` moves with the arm's bodies.
+
+    A muscle follows a smooth path through its points. Half of the tendon is at each of its ends, with the slack length
+    of the tendon; the rest is the belly. A belly becomes thicker as it becomes shorter, so that its volume stays, and
+    its cross section is proportional to max_isometric_force. The pieces are at `<path>/<muscle>/<number>`.
+    """
+
+    def __init__(self, meshcat: Meshcat, path: str, arm: Arm, plant: MultibodyPlant):
+        """plant: a finalized plant with the arm's skeleton."""
+        self._meshcat = meshcat
+        self._muscles: list[_Drawn] = []
+        for muscle in arm.muscles:
+            pieces = [f"{path}/{muscle.name}/{k}" for k in range(_BELLY_PIECES + 2 * _TENDON_PIECES)]
+            for k, piece in enumerate(pieces):
+                j = k - _TENDON_PIECES
+                belly = 0 <= j < _BELLY_PIECES
+                ends = _profile(np.array([j, j + 1]) / _BELLY_PIECES) if belly else np.full(2, _TENDON)
+                color = Rgba(*_RAMP[0]) if belly else TENDON_COLOR
+                meshcat.SetTriangleMesh(f"{piece}/shape/surface", *_frustum(*ends), color)
+            self._muscles.append(
+                _Drawn(
+                    pieces,
+                    [int(plant.GetBodyByName(body).index()) for body, _ in muscle.points],
+                    [np.array(point) for _, point in muscle.points],
+                    muscle.tendon_slack_length,
+                    muscle.optimal_fiber_length,
+                    _THICKNESS * math.sqrt(muscle.max_isometric_force),
+                )
+            )
+
+    def draw(
+        self,
+        X_WB: list[RigidTransform],
+        activation: np.ndarray,
+        time_in_recording: float | None = None,
+    ) -> None:
+        """Moves the muscles to the body poses X_WB and colors them by activation (n,).
+
+        X_WB: in the order of BodyIndex. time_in_recording: time (s) of this frame in Meshcat's recording, if there is
+        one.
+        """
+        colors = _linear(activation_color(activation))
+        for muscle, color in zip(self._muscles, colors, strict=True):
+            path = smooth_path(
+                np.array([X_WB[b].multiply(p) for b, p in zip(muscle.bodies, muscle.points, strict=True)])
+            )
+            ends, thickness = _cut(path, muscle)
+            for k, piece in enumerate(muscle.pieces):
+                belly = 0 <= k - _TENDON_PIECES < _BELLY_PIECES
+                radius = muscle.radius * (thickness if belly else 1.0)
+                self._draw_piece(piece, ends[k], ends[k + 1], radius, color if belly else None, time_in_recording)
+
+    def _draw_piece(
+        self,
+        piece: str,
+        start: np.ndarray,
+        end: np.ndarray,
+        radius: float,
+        color: np.ndarray | None,
+        time: float | None,
+    ) -> None:
+        pose, length = segment_pose(start, end)
+        self._meshcat.SetTransform(piece, pose, time)
+        # Meshcat forgets the scale of a node when it sets its transform, so the shape has a node of its own.
+        self._meshcat.SetProperty(f"{piece}/shape", "scale", [radius, radius, max(length, _SHORTEST)], time)
+        for channel, value in zip("rgb", () if color is None else color, strict=color is not None):
+            # Meshcat has several names for the color of a shape. This one works in a live scene and in a recording.
+            name = f"material.color[{channel}]"
+            self._meshcat.SetProperty(f"{piece}/shape/surface/<object>", name, float(value), time)
+
+
+def _cut(path: np.ndarray, muscle: _Drawn) -> tuple[np.ndarray, float]:
+    """The ends (pieces + 1, 3), m, of a muscle's pieces on its path (K, 3), and how much thicker its belly is."""
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
+    total = max(float(along[-1]), _SHORTEST)
+    belly = max(total - muscle.tendon, 0.2 * total)  # a path may be shorter than the tendon in an impossible posture
+    first, last = 0.5 * (total - belly), 0.5 * (total + belly)
+    at = np.concatenate(
+        [
+            np.linspace(0.0, first, _TENDON_PIECES, endpoint=False),
+            np.linspace(first, last, _BELLY_PIECES, endpoint=False),
+            np.linspace(last, total, _TENDON_PIECES + 1),
+        ]
+    )
+    ends = np.stack([np.interp(at, along, axis) for axis in path.T], axis=-1)
+    return ends, math.sqrt(muscle.optimal / belly)
+
+
+def _profile(share: np.ndarray) -> np.ndarray:
+    """The radius of a belly over that of its middle, at shares of its length from 0 to 1."""
+    return _TENDON + (1.0 - _TENDON) * np.sin(np.pi * share) ** 0.8
+
+
+def _frustum(first: float, last: float) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (3, N) and triangles (3, F) of a tube along z, from 0 to 1, with other radii at its ends."""
+    angle = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(_SIDES)])
+    low, high = ring * first - [[0.0], [0.0], [_OVERLAP]], ring * last + [[0.0], [0.0], [1.0 + _OVERLAP]]
+    k = np.arange(_SIDES)
+    after = (k + 1) % _SIDES
+    triangles = np.hstack([np.stack([k, after, _SIDES + after]), np.stack([k, _SIDES + after, _SIDES + k])])
+    return np.hstack([low, high]), triangles
+
+
+def _linear(srgb: np.ndarray) -> np.ndarray:
+    """Converts sRGB to linear light, which Meshcat's color properties expect (IEC 61966-2-1)."""
+    return np.where(srgb > 0.04045, ((srgb + 0.055) / 1.055) ** 2.4, srgb / 12.92)
