@@ -10,9 +10,11 @@ from drakearm.diagrams.start_perturbations import StartNoise, StartOffset
 from drakearm.diagrams.static_loop import MakeStaticLoop
 from drakearm.diagrams.tracking_loop import TrackingLoop
 from drakearm.diagrams.tracking_task import AddTrackingTask, MakeTrackingTask, TaskSystems
+from drakearm.diagrams.visualization import AddMuscleVisualizer
 
 __all__ = [
     "AddMuscleArm",
+    "AddMuscleVisualizer",
     "AddTrackingTask",
     "ExtraLoad",
     "MakeMpcLoop",

@@ -10,10 +10,10 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from drakearm.diagrams.perturbation import Perturbation
 from drakearm.diagrams.tracking_task import AddTrackingTask, TaskSystems
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.systems.muscle_drawing import upright
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.policy_controller import Policy, PolicyController
 from drakearm.systems.reach_source import Planner, ReachSource
+from drakearm.systems.skeleton_visualizer import prepare_stage
 from drakearm.task import TrackingTask
 
 
@@ -62,7 +62,7 @@ def MakeReachingLoop(
     if meshcat:
         MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
         MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, systems.arm.muscles, meshcat)
-        meshcat.SetTransform("/drake", upright(task.arm))
+        prepare_stage(meshcat, task.arm, systems.arm.plant)
     diagram = builder.Build()
     diagram.set_name("reaching_loop")
     return ReachingLoop(diagram, systems, source)

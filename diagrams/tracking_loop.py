@@ -12,8 +12,8 @@ from drakearm.diagrams.tracking_task import TaskSystems
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import hand_motion
-from drakearm.systems.muscle_drawing import upright
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
+from drakearm.systems.skeleton_visualizer import prepare_stage
 
 _OF_MUSCLES = (  # outputs of HillMuscles that are recorded
     "activation",
@@ -89,7 +89,7 @@ def close_loop(
     if meshcat:
         MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
         MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
-        meshcat.SetTransform("/drake", upright(systems.task.arm))
+        prepare_stage(meshcat, systems.task.arm, systems.arm.plant)
     diagram = builder.Build()
     diagram.set_name(name)
     return TrackingLoop(diagram, systems, logs)

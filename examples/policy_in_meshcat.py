@@ -7,15 +7,15 @@ import sys
 from pathlib import Path
 
 from pydrake.common import RandomDistribution
-from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer, SceneGraph
+from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Adder, Gain, RandomSource
 
-from drakearm.diagrams import AddTrackingTask, MakeSimulator
+from drakearm.diagrams import AddMuscleVisualizer, AddTrackingTask, MakeSimulator
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import Policy
 from drakearm.model.reference import CONTROL_STEP, Reference
-from drakearm.systems import MuscleVisualizer, PolicyController, upright
+from drakearm.systems import PolicyController
 
 
 def main(run: Path, realtime_rate: float = 0.25) -> None:
@@ -23,12 +23,10 @@ def main(run: Path, realtime_rate: float = 0.25) -> None:
     task = scenario.task(Reference.load(run / "reference.npz"))
     policy = Policy.load(run / "policy.safetensors")
     meshcat = Meshcat(MeshcatParams(host="localhost"))
-    meshcat.SetTransform("/drake", upright(task.arm))
 
     builder = DiagramBuilder()
-    scene_graph = builder.AddSystem(SceneGraph())
-    systems = AddTrackingTask(builder, task, scene_graph)
-    senses, muscles = systems.proprioception.get_output_port(), systems.arm.muscles
+    systems = AddTrackingTask(builder, task)
+    senses = systems.proprioception.get_output_port()
     noise = builder.AddSystem(RandomSource(RandomDistribution.kGaussian, senses.size(), CONTROL_STEP))
     scaled = builder.AddSystem(Gain(0.005, senses.size()))
     sensed = builder.AddSystem(Adder(2, senses.size()))
@@ -38,8 +36,7 @@ def main(run: Path, realtime_rate: float = 0.25) -> None:
     builder.Connect(senses, sensed.get_input_port(1))
     builder.Connect(sensed.get_output_port(), controller.GetInputPort("observation"))
     builder.Connect(controller.GetOutputPort("excitation"), systems.excitation)
-    MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
-    MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
+    AddMuscleVisualizer(builder, systems.arm, meshcat)
     diagram = builder.Build()
 
     simulator = MakeSimulator(diagram)

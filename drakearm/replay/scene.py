@@ -13,8 +13,8 @@ from drakearm.model import Arm
 from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.skeleton import add_skeleton
-from drakearm.replay.skeleton_drawing import SkeletonDrawing
 from drakearm.systems.muscle_drawing import MuscleDrawing, segment_pose, upright
+from drakearm.systems.skeleton_drawing import SkeletonDrawing
 
 GHOST_COLOR = Rgba(0.0, 0.58, 0.55, 0.25)
 PATH_COLOR = Rgba(0.95, 0.55, 0.05, 1.0)

@@ -50,6 +50,12 @@ def test_policy_in_meshcat(tmp_path, capsys):
     assert "http://localhost" in capsys.readouterr().out
 
 
+def test_excitations_in_meshcat(capsys):
+    q = load("excitations_in_meshcat").main(seconds=0.2)
+    assert np.abs(q - np.deg2rad([0.0, 30.0])).max() > 0.01  # the weak excitations do not hold the posture
+    assert "http://localhost" in capsys.readouterr().out
+
+
 def test_figure_eight(tmp_path, capsys):
     load("figure_eight").main(str(tmp_path / "eight.png"))
     assert (tmp_path / "eight.png").stat().st_size > 10_000

@@ -1,0 +1,84 @@
+"""SkeletonVisualizer: draws the bones of an arm in Meshcat, without a SceneGraph in the user's Diagram."""
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.geometry import Meshcat, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
+from pydrake.systems.framework import Context, LeafSystem
+
+from drakearm.model import Arm
+from drakearm.model.skeleton import add_skeleton
+from drakearm.systems.muscle_drawing import upright
+from drakearm.systems.muscle_visualizer import MuscleVisualizer
+from drakearm.systems.skeleton_drawing import SkeletonDrawing
+
+_VIEW = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
+_FIELD_OF_VIEW = 30.0  # degrees
+
+
+class SkeletonVisualizer(LeafSystem):
+    """Draws the shapes of an arm's skeleton in Meshcat, with its load.
+
+    .. pydrake_system::
+
+        name: SkeletonVisualizer
+        input_ports:
+        - body_poses
+        output_ports: []
+
+    ========== ==================== ==== ==================================================
+    port       type                 unit meaning
+    ========== ==================== ==== ==================================================
+    body_poses list[RigidTransform] m    X_WB, MultibodyPlant's output of the same name
+    ========== ==================== ==== ==================================================
+
+    It draws every publish_period (s) and at forced publishes, and into Meshcat's recording, if one is being made.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        plant: MultibodyPlant,
+        meshcat: Meshcat,
+        path: str = "/drake/skeleton",
+        load_mass: float = 0.0,
+        publish_period: float = MuscleVisualizer.PUBLISH_PERIOD,
+    ):
+        """plant: the finalized plant of the Diagram, which may hold other things too. load_mass: kg."""
+        super().__init__()
+        own, scene_graph = MultibodyPlant(time_step=0.0), SceneGraph()
+        own.RegisterAsSourceForSceneGraph(scene_graph)
+        add_skeleton(own, arm, load_mass)
+        own.Finalize()
+        self._drawing = SkeletonDrawing(meshcat, path, own, scene_graph)
+        names = [own.get_body(BodyIndex(i)).name() for i in range(own.num_bodies())]
+        self._bodies = [int(plant.GetBodyByName(name).index()) if plant.HasBodyNamed(name) else 0 for name in names]
+        self._body_poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
+        self.DeclarePeriodicPublishEvent(publish_period, 0.0, self._draw)
+        self.DeclareForcedPublishEvent(self._draw)
+
+    def _draw(self, context: Context) -> None:
+        X_WB = self._body_poses.Eval(context)
+        self._drawing.draw([X_WB[body] for body in self._bodies], context.get_time())
+
+
+def prepare_stage(meshcat: Meshcat, arm: Arm, plant: MultibodyPlant, path: str = "/drake") -> None:
+    """Turns what is below a path upright, hides grid and axes, and points the camera at an arm in its first posture."""
+    meshcat.SetTransform(path, upright(arm))
+    for hidden in ("/Grid", "/Axes"):
+        meshcat.SetProperty(hidden, "visible", False)
+    meshcat.SetProperty("/Background/<object>", "top_color", [1.0, 1.0, 1.0])
+    meshcat.SetProperty("/Background/<object>", "bottom_color", [0.90, 0.92, 0.95])
+    meshcat.SetProperty("/Lights/AmbientLight/<object>", "intensity", 1.0)
+    context = plant.CreateDefaultContext()
+    frames = [plant.GetFrameByName(arm.tip_frame)]
+    frames += [plant.GetBodyByName(body).body_frame() for muscle in arm.muscles for body, _ in muscle.points]
+    points = np.array([frame.CalcPoseInWorld(context).translation() for frame in frames])
+    low, high = points.min(axis=0), points.max(axis=0)
+    center, reach = 0.5 * (low + high), float(np.linalg.norm(high - low))
+    distance = 0.8 * reach / np.sin(np.radians(0.5 * _FIELD_OF_VIEW))  # there is room to move
+    camera = center + distance * _VIEW / np.linalg.norm(_VIEW)
+    meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=_FIELD_OF_VIEW))
+    meshcat.SetCameraPose(upright(arm).multiply(camera), upright(arm).multiply(center))
