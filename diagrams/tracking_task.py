@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import SceneGraph
+from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 from pydrake.systems.primitives import Adder, Gain, LinearSystem, PassThrough
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
 from drakearm.diagrams.perturbation import BeginsRun, Perturbation, perturb_plant
+from drakearm.diagrams.visualization import AddMuscleVisualizer
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.systems.delay_line import DelayLine
 from drakearm.systems.excitation_noise import ExcitationNoise
@@ -183,15 +184,19 @@ def _accumulated(builder: DiagramBuilder, error: OutputPort) -> OutputPort:
     return memory.get_output_port()
 
 
-def MakeTrackingTask(task: TrackingTask, *, varies: bool | None = None) -> tuple[Diagram, TaskSystems]:
+def MakeTrackingTask(
+    task: TrackingTask, *, varies: bool | None = None, meshcat: Meshcat | None = None
+) -> tuple[Diagram, TaskSystems]:
     """A Diagram with the ports that `DiagramEnv` and pydrake.gym expect, and its systems.
 
     varies: see `AddTrackingTask`. Input: actions, which are the excitations (n,). Outputs: observations
     (`Proprioception`) and reward (1,). Further outputs, for information only: arm_state (2 n_q,), tracking_error (n_q,)
-    and activation (n,).
+    and activation (n,). meshcat: where the arm is drawn.
     """
     builder = DiagramBuilder()
     systems = AddTrackingTask(builder, task, varies=varies)
+    if meshcat:
+        AddMuscleVisualizer(builder, systems.arm, meshcat)
     builder.ExportInput(systems.excitation, "actions")
     builder.ExportOutput(systems.proprioception.get_output_port(), "observations")
     builder.ExportOutput(systems.reward.GetOutputPort("reward"), "reward")

@@ -1,11 +1,14 @@
 """The environments of scenarios: a single one, or many in one vector environment."""
 
-from collections.abc import Sequence
+import logging
+from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
+from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.systems.framework import Context
 
 from drakearm.diagrams import MakeTrackingTask
@@ -18,7 +21,7 @@ from drakearm.planning import plan
 from drakearm.task import TrackingTask, check_interchangeable
 
 
-def make_env(scenario: str | Path, reference: Reference | None = None) -> DiagramEnv:
+def make_env(scenario: str | Path, reference: Reference | None = None, render_mode: str | None = None) -> DiagramEnv:
     """The environment of a scenario (name or file): a Drake Diagram in which the muscles follow a planned movement.
 
     `gymnasium.make("drakearm/Track-v0", scenario=...)` makes it. reference: the movement to follow; without one, the
@@ -74,8 +77,11 @@ def make_env(scenario: str | Path, reference: Reference | None = None) -> Diagra
     An episode starts at rest at the first posture of the reference, with noise of `start_noise_deg` on the angles and
     with activations of 0.05. It is truncated at the end of the reference and never terminated. `info` has `arm_state`
     (q and v, not scaled), `tracking_error` (q minus desired q, rad) and `activation`.
+
+    render_mode: "rgb_array" for pictures from `render`, which need no display, or "human" to see the arm in Meshcat, in
+    real time; the logger `drakearm` says the address of the page.
     """
-    return make_task_env(scenario_task(scenario, reference))
+    return make_task_env(scenario_task(scenario, reference), render_mode)
 
 
 def make_vector_env(scenario: str | Path | Sequence[str | Path], num_envs: int) -> ArmVectorEnv:
@@ -93,15 +99,20 @@ def scenario_task(scenario: str | Path, reference: Reference | None = None) -> T
     return load_scenario(scenario).task(reference or _planned(scenario))
 
 
-def make_task_env(task: TrackingTask | Sequence[TrackingTask]) -> DiagramEnv:
+def make_task_env(task: TrackingTask | Sequence[TrackingTask], render_mode: str | None = None) -> DiagramEnv:
     """The environment of a task, or of several, of which each reset draws one. An episode lasts as long as its plan.
 
-    Several tasks must have the same arm, senses, lookahead and reward. Raises TaskError if they do not.
+    Several tasks must have the same arm, senses, lookahead and reward. Raises TaskError if they do not. render_mode:
+    see `make_env`.
     """
     tasks = [task] if isinstance(task, TrackingTask) else list(task)
     check_interchangeable(tasks)
     several = len(tasks) > 1
-    diagram, systems = MakeTrackingTask(tasks[0], varies=True if several else None)
+    meshcat = Meshcat(MeshcatParams(host="localhost")) if render_mode == "human" else None
+    if meshcat is not None:
+        logging.getLogger("drakearm").info("The arm moves at %s", meshcat.web_url())
+    diagram, systems = MakeTrackingTask(tasks[0], varies=True if several else None, meshcat=meshcat)
+    render = _picture_of(tasks[0]) if render_mode == "rgb_array" else None
 
     def reset(context: Context, rng: np.random.Generator) -> None:
         systems.Reset(context, rng, tasks[rng.integers(len(tasks))] if several else None)
@@ -109,7 +120,27 @@ def make_task_env(task: TrackingTask | Sequence[TrackingTask]) -> DiagramEnv:
     def episode_steps(context: Context) -> int:
         return len(systems.reference.Reference(context).t) - 1
 
-    return DiagramEnv(diagram, reset, control_step=CONTROL_STEP, episode_steps=episode_steps)
+    return DiagramEnv(
+        diagram,
+        reset,
+        control_step=CONTROL_STEP,
+        episode_steps=episode_steps,
+        render_mode=render_mode,
+        render=render,
+    )
+
+
+def _picture_of(task: TrackingTask) -> Callable[[dict[str, Any]], np.ndarray]:
+    """A function from the info of a step to a picture."""
+    from drakearm.figures.arm_frame import ArmFrame  # matplotlib, which most environments do not need
+
+    frame, n_q = ArmFrame(task.arm, task.obstacle), len(task.arm.coordinates)
+
+    def picture(info: dict[str, Any]) -> np.ndarray:
+        q = info["arm_state"][:n_q]
+        return frame.draw(q, info["activation"], q - info["tracking_error"])
+
+    return picture
 
 
 def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:

@@ -9,10 +9,11 @@ from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 from pydrake.systems.framework import Context, Diagram
 
 from drakearm.diagrams import MakeSimulator
-from drakearm.errors import ActionError
+from drakearm.errors import ActionError, TrainingError, shown
 from drakearm.learning.generator_state import generator_state, restored_generator
 
 Reset = Callable[[Context, np.random.Generator], object]
+Info = dict[str, Any]
 
 
 class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -33,10 +34,11 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     reset: a function that sets the start state in a root context. It draws random numbers only from the generator that
     it is given, so that the seed given to the method `reset` determines the episode. It may also set the time to a
     whole number of control steps; the episode is then shorter. The Diagram is built once and only its context is reset,
-    because every new Diagram leaks memory.
+    because every new Diagram leaks memory. render: makes the picture (height, width, 3), uint8, of an info, for the
+    render mode "rgb_array". With the render mode "human" the Diagram draws itself, and the simulation keeps real time.
     """
 
-    metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)
+    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 100}  # noqa: RUF012 (Gymnasium's own declaration)
 
     def __init__(
         self,
@@ -45,12 +47,21 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         *,
         control_step: float,
         episode_steps: int | Callable[[Context], int],
+        render_mode: str | None = None,
+        render: Callable[[Info], np.ndarray] | None = None,
     ):
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise TrainingError(
+                f"The render mode is {shown(render_mode)}: expected one of {', '.join(self.metadata['render_modes'])}."
+            )
+        self.render_mode, self._render = render_mode, render
         self._diagram = diagram
         self._reset = reset
         self._control_step = control_step
         self._episode_steps = episode_steps
         self._simulator = MakeSimulator(diagram)
+        if render_mode == "human":
+            self._simulator.set_target_realtime_rate(1.0)
         self._context = self._simulator.get_mutable_context()
         self._actions = diagram.GetInputPort("actions")
         self._observations = diagram.GetOutputPort("observations")
@@ -90,6 +101,12 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         observation, info = self._observe()
         reward = float(self._reward.Eval(self._context)[0])
         return observation, reward, terminated, self._steps >= self._length(), info
+
+    def render(self) -> np.ndarray | None:  # type: ignore[override]
+        """The picture of the present state with the render mode "rgb_array", else None; see gymnasium.Env.render."""
+        if self.render_mode != "rgb_array" or self._render is None:
+            return None
+        return self._render({name: port.Eval(self._context) for name, port in self._info.items()})
 
     def _length(self) -> int:
         """Of an episode, in control steps from time 0."""
