@@ -124,5 +124,5 @@ def _draw_spread(
     bars = [np.zeros_like(median), most - median]
     panel.errorbar(values, median, bars, marker=marker, capsize=3, color=color, label=name)
     panel.set(xlabel=label, ylabel="mean error (mrad)")
-    panel.set_ylim(bottom=0.0)
+    panel.set_ylim(0.0, max(panel.dataLim.y1, 1.05 * float(most.max())))
     panel.set_title("median, and 95 % are below", fontsize="small")

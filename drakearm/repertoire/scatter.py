@@ -26,8 +26,8 @@ from drakearm.task.starts import ReferenceStart
 NOISE = 0.2  # standard deviation of an excitation's noise over the excitation
 REPEATS = 16
 DISTANCES = (0.1, 0.2, 0.3)  # m
-DURATIONS = (0.4, 0.5, 0.6, 0.8, 1.0)  # s
-WIDTHS = (0.01, 0.015, 0.02, 0.03, 0.04, 0.06)  # m, of targets
+DURATIONS = (0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.8, 1.0)  # s
+WIDTHS = (0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.02)  # m, of targets
 HITS = 0.96  # share of the hands that hit a target, as in experiments with people (Welford 1968)
 _DIRECTIONS = 8
 
