@@ -29,6 +29,9 @@ def train(
     resume: Annotated[
         bool, typer.Option("--resume", help="Continue a training that was stopped; begin, if there is none.")
     ] = False,
+    meshcat: Annotated[
+        bool, typer.Option("--meshcat", help="Show the present policy's movement in a browser while it learns.")
+    ] = False,
     imports: Import = None,
 ) -> None:
     """Learn muscle excitations that follow the plan.
@@ -45,16 +48,26 @@ def train(
         raise typer.BadParameter("found --resume and --overwrite, expected one of them.")
     with planned_run_folder(scenario, out) as run:
         outdated = run.claim("train", overwrite or resume)
-        train_run(run, seed, batches, env, resume)
+        train_run(run, seed, batches, env, resume, meshcat)
         say_removed([file for file in outdated if not file.exists()])
 
 
-def train_run(run: "RunFolder", seed: int, batches: int | None, env: EnvKind, resume: bool = False) -> None:
+def train_run(
+    run: "RunFolder", seed: int, batches: int | None, env: EnvKind, resume: bool = False, meshcat: bool = False
+) -> None:
     """Trains in a run's folder and shows the progress. Exits with code 130 if Ctrl-C is pressed.
 
-    resume: whether to continue an earlier training, if there is one.
+    resume: whether to continue an earlier training, if there is one. meshcat: whether to show the movement meanwhile.
     """
     from drakearm.experiments import train_step
+
+    view = None
+    if meshcat:
+        from drakearm.experiments.training_view import TrainingView
+        from drakearm.learning import Policy
+
+        view = TrainingView(run.task(run.scenario()))
+        say(f"open {view.url} in a browser")
 
     if resume and run.path("training").exists():
         training = run.read_json("training", "train")
@@ -81,6 +94,8 @@ def train_run(run: "RunFolder", seed: int, batches: int | None, env: EnvKind, re
                     total=report.batches,
                     line=report.batch % LINE_BATCHES == 0 or report.batch == report.batches,
                 )
+                if view is not None:
+                    view.show(lambda: Policy.load(run.path("policy")))
                 interrupt_now()
 
             train_step(

@@ -40,10 +40,19 @@ def write_replay(
     """
     recording.check(arm)
     scene = ReplayScene(arm, load_mass, obstacle)
-    scene.draw_tip_path(recording.q)
-    scene.draw_target(recording.reference_q[-1])
     views = scene.views(np.vstack([recording.q, recording.reference_q]))
     scene.set_camera(views["oblique"])
+    animate(scene, recording)
+    caption = caption or Caption("drakearm replay")
+    page = make_page(scene.meshcat.StaticHtml(), caption, PLAYBACK_SPEED, recording, arm, views, load_mass)
+    with replacement(Path(file)) as partial:
+        partial.write_text(page, encoding="utf-8")
+
+
+def animate(scene: ReplayScene, recording: Recording) -> None:
+    """Draws the path and the target of the hand, and replaces the animation of a scene by that of a recording."""
+    scene.draw_tip_path(recording.q)
+    scene.draw_target(recording.reference_q[-1])
     scene.draw(recording, 0)
     frames_per_second = PLAYBACK_SPEED / CONTROL_STEP
     meshcat = scene.meshcat
@@ -58,7 +67,3 @@ def write_replay(
     animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
     animation.set_repetitions(_REPETITIONS)
     meshcat.PublishRecording()
-    caption = caption or Caption("drakearm replay")
-    page = make_page(meshcat.StaticHtml(), caption, PLAYBACK_SPEED, recording, arm, views, load_mass)
-    with replacement(Path(file)) as partial:
-        partial.write_text(page, encoding="utf-8")

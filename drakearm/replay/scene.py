@@ -43,8 +43,10 @@ class View:
 class ReplayScene:
     """An arm in its own Meshcat, which closes when the scene is deleted. `draw` shows the arm as in a recording."""
 
-    def __init__(self, arm: Arm, load_mass: float = 0.0, obstacle: Obstacle | None = None):
-        """load_mass: kg, in the hand."""
+    def __init__(
+        self, arm: Arm, load_mass: float = 0.0, obstacle: Obstacle | None = None, port: int | None = 0
+    ) -> None:
+        """load_mass: kg, in the hand. port: of the page on this computer: 0 for any, None for one from 7000."""
         self._arm = arm
         self._plant = MultibodyPlant(time_step=0.0)
         scene_graph = SceneGraph()
@@ -55,7 +57,7 @@ class ReplayScene:
         self._plant.Finalize()
         self._context = self._plant.CreateDefaultContext()
 
-        self.meshcat = Meshcat(MeshcatParams(host="localhost", port=0))  # any free port
+        self.meshcat = Meshcat(MeshcatParams(host="localhost", port=port))
         self._set_stage()
         self._skeleton = SkeletonDrawing(self.meshcat, f"{_ROOT}/arm", self._plant, scene_graph)
         self._ghost = SkeletonDrawing(self.meshcat, f"{_ROOT}/reference", self._plant, scene_graph, GHOST_COLOR)
@@ -78,6 +80,7 @@ class ReplayScene:
 
     def draw_tip_path(self, q: np.ndarray) -> None:
         """Draws the path of the hand's tip for joint angles q (N, n_q), rad."""
+        self.meshcat.Delete(f"{_ROOT}/tip_path")
         points = [self._tip_position(row) for row in q]
         for i, (start, end) in enumerate(pairwise(points)):  # cylinders, because lines would be one pixel wide
             pose, length = segment_pose(start, end)
