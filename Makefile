@@ -24,7 +24,7 @@ SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-cpus fuzz faults lint bench clean
+.PHONY: demo test test-cpus fuzz faults lint bench pictures clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
@@ -41,6 +41,11 @@ endif
 
 faults: $(LINKED) ## kills commands at 100 random moments and checks that nothing is damaged or lost
 	$(BIN)/python tests/attacks/faults.py
+
+pictures: $(LINKED) ## remakes the pictures of the README and of docs from shipped policies
+	$(BIN)/python docs/make_pictures.py
+	$(BIN)/python docs/draw_diagrams.py
+	$(BIN)/python tests/benchmarks/integration.py
 
 bench: $(LINKED) ## how fast and how accurate, next to other packages where they are installed
 	$(BIN)/python tests/benchmarks/speed.py

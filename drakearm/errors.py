@@ -47,6 +47,10 @@ class PlanningError(DrakearmError):
     """An optimal-control problem without a solution, or one for which the solver found no solution."""
 
 
+class FilmError(DrakearmError):
+    """A picture or film of a replay that cannot be made, for example because a program is not installed."""
+
+
 class TaskError(DrakearmError, ValueError):
     """A task, sense, reward or start that environments cannot use."""
 

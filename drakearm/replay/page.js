@@ -20,6 +20,7 @@
     animator.display_progress(time / data.speed);
   };
   const time_now = () => Math.min(animator.time * data.speed, data.duration);
+  window.replay_time = time_now; // for films
   const set_speed = speed => {
     speeds.value = speed;
     animator.mixer.timeScale = speed / data.speed;
@@ -59,6 +60,8 @@
     const { center, radius, direction, fov } = data.views[name];
     const half = Math.PI * fov / 360, aspect = viewer.dom_element.offsetWidth / viewer.dom_element.offsetHeight;
     const distance = radius / Math.sin(half) / Math.min(1, aspect);
+    const { offsetWidth: width, offsetHeight: height } = viewer.dom_element;
+    viewer.camera.setViewOffset(width, height, 0.22 * document.getElementById("replay-strip").offsetWidth, 0, width, height);
     const camera = viewer.camera, place = center.map((c, i) => c + distance * direction[i]);
     camera.fov = fov;
     camera.near = Math.max(0.01, distance - 3);
@@ -115,7 +118,7 @@
     data.muscles.forEach((muscle, m) => {
       const top = raster_top + m * row_height;
       pen.fillStyle = text;
-      if (row_height >= 8) pen.fillText(muscle.slice(0, 9), 0, top + 0.5 * row_height + 3);
+      if (row_height >= 9 || m % 2 === 0) pen.fillText(muscle.slice(0, 9), 0, top + 0.5 * row_height + 3);
       data.activation.forEach((row, i) => {
         const start = place_of(data.t[i], width);
         const end = i + 1 < data.t.length ? place_of(data.t[i + 1], width) : width - 4;

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.browser import needs_chromium
+
 BENCHMARKS = Path(__file__).parent
 DOCS = Path(__file__).parents[2] / "docs"
 SCRIPTS = [file for file in sorted(BENCHMARKS.glob("*.py")) if not file.stem.startswith("test_")]
@@ -105,6 +107,14 @@ def test_the_page_of_results_is_the_one_that_the_script_writes():
 @pytest.mark.slow
 def test_make_policies_ships_a_policy():
     done = run_quick(DOCS / "make_policies.py")
+    assert done.returncode == 0, done.stderr
+    assert len(assert_finite_table(done.stdout)) == 1
+
+
+@pytest.mark.slow
+@needs_chromium
+def test_make_pictures_makes_a_picture():
+    done = run_quick(DOCS / "make_pictures.py")
     assert done.returncode == 0, done.stderr
     assert len(assert_finite_table(done.stdout)) == 1
 
