@@ -51,7 +51,7 @@ def write_film(page: Path, file: Path, duration: float, speed: float = 0.25, siz
 def _frames(page: Path, times: list[float], size: tuple[int, int]) -> list[bytes]:
     """A .png of the page at each time, s.
 
-    In a thread of its own, because Playwright refuses a thread in which something asynchronous runs, such as a notebook.
+    In a thread of its own, because Playwright refuses one in which something asynchronous runs, such as a notebook.
     """
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(lambda: list(_frames_here(page, times, size))).result()
