@@ -13,7 +13,7 @@ from drakearm.model.reference import CONTROL_STEP
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.policy_controller import Policy, PolicyController
 from drakearm.systems.reach_source import Planner, ReachSource
-from drakearm.systems.skeleton_visualizer import prepare_stage
+from drakearm.systems.skeleton_visualizer import STAGE, prepare_stage
 from drakearm.task import TrackingTask
 
 
@@ -60,7 +60,7 @@ def MakeReachingLoop(
     builder.Connect(controller.GetOutputPort("excitation"), systems.excitation)
     builder.ExportOutput(systems.arm.plant.get_state_output_port(), "arm_state")
     if meshcat:
-        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
+        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat, STAGE)
         MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, systems.arm.muscles, meshcat)
         prepare_stage(meshcat, task.arm, systems.arm.plant)
     diagram = builder.Build()

@@ -13,7 +13,7 @@ from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import hand_motion
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
-from drakearm.systems.skeleton_visualizer import prepare_stage
+from drakearm.systems.skeleton_visualizer import STAGE, prepare_stage
 
 _OF_MUSCLES = (  # outputs of HillMuscles that are recorded
     "activation",
@@ -87,7 +87,7 @@ def close_loop(
     } | {name: muscles.GetOutputPort(name) for name in _OF_MUSCLES}
     logs = {name: LogVectorOutput(port, builder, CONTROL_STEP) for name, port in ports.items()}
     if meshcat:
-        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
+        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat, STAGE)
         MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
         prepare_stage(meshcat, systems.task.arm, systems.arm.plant)
     diagram = builder.Build()

@@ -1,6 +1,7 @@
 """The muscles of an arm as bodies in Meshcat: pale tendons, and bellies that are colored by their activation."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -8,17 +9,27 @@ from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context
 from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.model import Arm
 
 TENDON_COLOR = Rgba(0.93, 0.90, 0.82, 1.0)
 _BELLY_PIECES, _TENDON_PIECES = 7, 2  # per muscle, and per muscle and end
+# Where the pieces begin and end: 0 to 1 is the first tendon, 1 to 2 the belly, 2 to 3 the second tendon.
+_SHARES = np.concatenate(
+    [
+        np.linspace(0.0, 1.0, _TENDON_PIECES, endpoint=False),
+        np.linspace(1.0, 2.0, _BELLY_PIECES, endpoint=False),
+        np.linspace(2.0, 3.0, _TENDON_PIECES + 1),
+    ]
+)
 _THICKNESS = 5.0e-4  # m / sqrt(N): radius of a belly at its optimal length over the square root of max_isometric_force
 _TENDON = 0.25  # radius of a tendon over that of the belly's middle
 _SAMPLES = 40  # of a path, from which its pieces are cut
 _SIDES = 12  # of a piece's cross section
 _OVERLAP = 0.04  # by which a piece is longer than its part of the path, so that bends have no gaps
+_VISIBLE = 0.004  # change of a color channel
 _SHORTEST = 1e-6  # m: a drawn length of 0 would have no normals
 _RAMP = np.array(  # from slate at rest to red: even steps of lightness and hue in the Oklab space
     [
@@ -68,14 +79,24 @@ def upright(arm: Arm) -> RigidTransform:
 
 def smooth_path(points: np.ndarray) -> np.ndarray:
     """Samples (K, 3) of a smooth curve through points (m, 3), m, in their order: a Catmull-Rom spline."""
+    return smoothing(points) @ points
+
+
+def smoothing(points: np.ndarray) -> np.ndarray:
+    """The matrix (K, m) from points (m, 3), m, to samples of the smooth curve through them.
+
+    It depends on the distances of the points only, so it may be kept while they change little.
+    """
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    points = points[np.append(True, steps > 0.0)]
-    if len(points) < 3:
-        return points[[0, -1]]
+    own = np.flatnonzero(np.append(True, steps > 0.0))  # points that coincide with the one before are left out
+    every = np.eye(len(points))
+    if len(own) < 3:
+        return every[[0, -1]]
     at = np.append(0.0, np.cumsum(steps[steps > 0.0]))
-    slopes = np.gradient(points, at, axis=0)
+    chosen = every[own]
     samples = np.union1d(at, np.linspace(0.0, at[-1], _SAMPLES))
-    return CubicHermiteSpline(at, points, slopes)(samples)
+    matrix: np.ndarray = CubicHermiteSpline(at, chosen, np.gradient(chosen, at, axis=0))(samples)
+    return matrix
 
 
 class _Drawn(NamedTuple):
@@ -84,6 +105,7 @@ class _Drawn(NamedTuple):
     pieces: list[str]
     bodies: list[int]
     points: list[np.ndarray]  # p_BP, m
+    smoothing: np.ndarray  # from the points to the path
     tendon: float  # m, slack length of both tendons together
     optimal: float  # m, length of the fibers at which the belly has its radius
     radius: float  # m
@@ -97,10 +119,16 @@ class MuscleDrawing:
     its cross section is proportional to max_isometric_force. The pieces are at `<path>/<muscle>/<number>`.
     """
 
-    def __init__(self, meshcat: Meshcat, path: str, arm: Arm, plant: MultibodyPlant):
-        """plant: a finalized plant with the arm's skeleton."""
-        self._meshcat = meshcat
+    def __init__(self, meshcat: Meshcat, path: str, arm: Arm, plant: MultibodyPlant, repeat: int = 1):
+        """plant: a finalized plant with the arm's skeleton.
+
+        repeat: after how many draws colors are sent again that have not changed visibly. A recording interpolates
+        between the colors that it gets, so it needs 1.
+        """
+        self._meshcat, self._repeat = meshcat, repeat
         self._muscles: list[_Drawn] = []
+        self._draws, self._shown = 0, np.full((len(arm.muscles), 3), np.inf)  # the colors that the page has
+        context = plant.CreateDefaultContext()
         for muscle in arm.muscles:
             pieces = [f"{path}/{muscle.name}/{k}" for k in range(_BELLY_PIECES + 2 * _TENDON_PIECES)]
             for k, piece in enumerate(pieces):
@@ -114,6 +142,7 @@ class MuscleDrawing:
                     pieces,
                     [int(plant.GetBodyByName(body).index()) for body, _ in muscle.points],
                     [np.array(point) for _, point in muscle.points],
+                    smoothing(np.array([_in_world(plant, context, *point) for point in muscle.points])),
                     muscle.tendon_slack_length,
                     muscle.optimal_fiber_length,
                     _THICKNESS * math.sqrt(muscle.max_isometric_force),
@@ -132,15 +161,17 @@ class MuscleDrawing:
         one.
         """
         colors = _linear(activation_color(activation))
-        for muscle, color in zip(self._muscles, colors, strict=True):
-            path = smooth_path(
-                np.array([X_WB[b].multiply(p) for b, p in zip(muscle.bodies, muscle.points, strict=True)])
-            )
-            ends, thickness = _cut(path, muscle)
+        changed = (np.abs(colors - self._shown).max(axis=1) > _VISIBLE) | (self._draws % self._repeat == 0)
+        self._shown[changed] = colors[changed]
+        self._draws += 1
+        for muscle, color, new in zip(self._muscles, colors, changed.tolist(), strict=True):
+            p_W = [X_WB[body].multiply(point) for body, point in zip(muscle.bodies, muscle.points, strict=True)]
+            ends, thickness = _cut(muscle.smoothing @ np.array(p_W), muscle)
             for k, piece in enumerate(muscle.pieces):
                 belly = 0 <= k - _TENDON_PIECES < _BELLY_PIECES
                 radius = muscle.radius * (thickness if belly else 1.0)
-                self._draw_piece(piece, ends[k], ends[k + 1], radius, color if belly else None, time_in_recording)
+                paint = color if belly and new else None
+                self._draw_piece(piece, ends[k], ends[k + 1], radius, paint, time_in_recording)
 
     def _draw_piece(
         self,
@@ -161,19 +192,17 @@ class MuscleDrawing:
             self._meshcat.SetProperty(f"{piece}/shape/surface/<object>", name, float(value), time)
 
 
+def _in_world(plant: MultibodyPlant, context: Context, body: str, p_BP: Sequence[float]) -> np.ndarray:
+    return plant.GetBodyByName(body).EvalPoseInWorld(context).multiply(np.array(p_BP))
+
+
 def _cut(path: np.ndarray, muscle: _Drawn) -> tuple[np.ndarray, float]:
     """The ends (pieces + 1, 3), m, of a muscle's pieces on its path (K, 3), and how much thicker its belly is."""
     along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
     total = max(float(along[-1]), _SHORTEST)
     belly = max(total - muscle.tendon, 0.2 * total)  # a path may be shorter than the tendon in an impossible posture
     first, last = 0.5 * (total - belly), 0.5 * (total + belly)
-    at = np.concatenate(
-        [
-            np.linspace(0.0, first, _TENDON_PIECES, endpoint=False),
-            np.linspace(first, last, _BELLY_PIECES, endpoint=False),
-            np.linspace(last, total, _TENDON_PIECES + 1),
-        ]
-    )
+    at = np.interp(_SHARES, (0.0, 1.0, 2.0, 3.0), (0.0, first, last, total))
     ends = np.stack([np.interp(at, along, axis) for axis in path.T], axis=-1)
     return ends, math.sqrt(muscle.optimal / belly)
 

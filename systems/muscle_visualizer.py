@@ -10,6 +10,8 @@ from drakearm.model import Arm
 from drakearm.systems.hill_muscles import HillMuscles
 from drakearm.systems.muscle_drawing import MuscleDrawing
 
+_REPEAT = 8  # draws, after which all colors are sent again
+
 
 class MuscleVisualizer(LeafSystem):
     """Draws the muscles of an arm in Meshcat. Their thickness shows the strength, their color the activation.
@@ -33,7 +35,7 @@ class MuscleVisualizer(LeafSystem):
     being made. Drake's MeshcatVisualizer draws the skeleton.
     """
 
-    PUBLISH_PERIOD = 1.0 / 64.0  # as MeshcatVisualizer
+    PUBLISH_PERIOD = 1.0 / 32.0  # s: a page does not show more frames per second
 
     def __init__(
         self,
@@ -44,7 +46,7 @@ class MuscleVisualizer(LeafSystem):
         publish_period: float = PUBLISH_PERIOD,
     ):
         super().__init__()
-        self._drawing = MuscleDrawing(meshcat, path, arm, plant)
+        self._drawing = MuscleDrawing(meshcat, path, arm, plant, _REPEAT)
         self._activation = self.DeclareVectorInputPort("activation", len(arm.muscles))
         self._body_poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
         self.DeclarePeriodicPublishEvent(publish_period, 0.0, self._draw)

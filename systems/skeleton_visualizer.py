@@ -2,7 +2,7 @@
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.geometry import Meshcat, SceneGraph
+from pydrake.geometry import Meshcat, MeshcatVisualizerParams, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
@@ -16,6 +16,8 @@ from drakearm.systems.skeleton_drawing import SkeletonDrawing
 
 _VIEW = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
 _FIELD_OF_VIEW = 30.0  # degrees
+STAGE = MeshcatVisualizerParams()  # of Drake's MeshcatVisualizer beside the muscles: draws as often as they are drawn
+STAGE.publish_period = MuscleVisualizer.PUBLISH_PERIOD
 
 
 class SkeletonVisualizer(LeafSystem):
