@@ -2,9 +2,7 @@
 
 import html
 import re
-import shutil
 import struct
-import subprocess
 from base64 import b64decode
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.image import imread
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from drakearm.diagrams import MakePolicyLoop, MakeStaticLoop
@@ -27,7 +24,6 @@ from drakearm.replay.page import make_page
 from tests.full_disk import full_disk
 from tests.recordings import still_recording
 
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 SAMPLES = 21
 
 
@@ -150,37 +146,3 @@ def test_a_full_disk_leaves_the_earlier_page(arm: Arm, recording: Recording, tmp
         write_replay(file, arm, recording)
     assert file.read_text() == "an earlier page"
     assert list(tmp_path.iterdir()) == [file]
-
-
-def _picture(page: Path, time: float) -> np.ndarray:
-    file = page.with_name(f"{time}.png")
-    subprocess.run(
-        [
-            str(CHROMIUM),
-            "--headless",
-            "--no-sandbox",
-            "--use-angle=swiftshader",
-            "--enable-unsafe-swiftshader",
-            f"--user-data-dir={page.parent / 'browser'}",
-            "--window-size=600,400",
-            "--virtual-time-budget=4000",
-            f"--screenshot={file}",
-            f"{page.as_uri()}#t={time}",
-        ],
-        check=True,
-        capture_output=True,
-        timeout=120,
-    )
-    return imread(file)[..., :3]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-def test_browser_shows_resting_muscles_first_and_red_ones_at_the_end(page: Path) -> None:
-    def red(picture: np.ndarray) -> int:
-        scene = picture[60:300]
-        return int(np.sum(scene[..., 0] > 3.0 * scene[..., 1:].max(axis=-1) + 0.1))
-
-    start, end = _picture(page, 0.0), _picture(page, 0.2)
-    assert np.std(start[60:300]) > 0.02  # not blank
-    assert red(end) > red(start) + 500
