@@ -1,18 +1,27 @@
 """`drakearm replay`."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drakearm.cli.console import say
-from drakearm.cli.folders import learned_run_folder
-from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument, path
+from drakearm.cli.folders import existing_run, learned_run_folder
+from drakearm.cli.options import Import, Out, Overwrite, complete_scenario, name_or_path, path
 from drakearm.cli.own_code import import_own_code
 
 
 def replay(
-    scenario: ScenarioArgument,
+    run: Annotated[
+        str,
+        typer.Argument(
+            help="A SCENARIO from `drakearm list`, the path of a scenario file, or the folder of a run.",
+            metavar="RUN",
+            parser=name_or_path,
+            autocompletion=complete_scenario,
+        ),
+    ],
     out: Out = None,
     overwrite: Overwrite = False,
     png: Annotated[
@@ -43,16 +52,16 @@ def replay(
     import_own_code(imports)
     from drakearm.experiments import evaluate_step, replay_step
 
-    with learned_run_folder(scenario, out) as run:
-        if not run.path("recording").exists():
-            evaluate_step(run)
-        run.claim("replay", overwrite or any((png, gif, mp4)))
-        page = replay_step(run)
+    with existing_run(run) if os.path.isdir(run) else learned_run_folder(run, out) as found:
+        if not found.path("recording").exists():
+            evaluate_step(found)
+        found.claim("replay", overwrite or any((png, gif, mp4)))
+        page = replay_step(found)
         if png or gif or mp4:
             from drakearm.model import Recording
             from drakearm.replay.film import write_film, write_picture
 
-            duration = float(Recording.load(run.path("recording")).t[-1])
+            duration = float(Recording.load(found.path("recording")).t[-1])
             if png:
                 write_picture(page, png, min(duration if at is None else at, duration))
                 say(f"picture in {png}")

@@ -13,6 +13,7 @@ def test_evaluate_measures_the_shipped_policy_of_a_new_run(tmp_path):
     assert max(metrics["noise_free"]["tracking_error_mean"]) < 0.01
     assert "exists already" in drakearm("evaluate", "timing-0.4s", "--out", out, code=1)  # as for any other run
     assert "open" in drakearm("replay", "timing-0.4s", "--out", out)
+    assert "replay.html" in drakearm("replay", out, "--overwrite")  # the folder of the run
 
 
 def test_replay_evaluates_first_where_there_is_no_recording(tmp_path):
