@@ -41,6 +41,7 @@ CONNECTIONS = {
 OTHER_PROGRAMS = {"subprocess", "pty"}
 MAY_IMPORT = {
     "drakearm/muscle/compile_cache.py": {"pickle"},  # checked with a checksum, see the file
+    "drakearm/replay/film.py": {"subprocess"},  # runs ffmpeg, without a shell, with the paths of files as arguments
     "drakearm/planning/library.py": {"joblib"},  # no file: it exchanges messages with its own workers
     "drakearm/reproduction/backends.py": {"joblib"},  # the same
     "drakearm/reproduction/sweep.py": {"joblib"},
