@@ -4,16 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
+from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
 from drakearm.diagrams.perturbation import Perturbation
 from drakearm.diagrams.tracking_task import AddTrackingTask, TaskSystems
+from drakearm.diagrams.visualization import AddMuscleVisualizer
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.policy_controller import Policy, PolicyController
 from drakearm.systems.reach_source import Planner, ReachSource
-from drakearm.systems.skeleton_visualizer import STAGE, prepare_stage
 from drakearm.task import TrackingTask
 
 
@@ -60,9 +59,7 @@ def MakeReachingLoop(
     builder.Connect(controller.GetOutputPort("excitation"), systems.excitation)
     builder.ExportOutput(systems.arm.plant.get_state_output_port(), "arm_state")
     if meshcat:
-        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat, STAGE)
-        MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, systems.arm.muscles, meshcat)
-        prepare_stage(meshcat, task.arm, systems.arm.plant)
+        AddMuscleVisualizer(builder, systems.arm, meshcat, scene_graph)
     diagram = builder.Build()
     diagram.set_name("reaching_loop")
     return ReachingLoop(diagram, systems, source)

@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
+from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from drakearm.diagrams.muscle_arm import MakeSimulator
 from drakearm.diagrams.tracking_task import TaskSystems
+from drakearm.diagrams.visualization import AddMuscleVisualizer
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.model.skeleton import hand_motion
-from drakearm.systems.muscle_visualizer import MuscleVisualizer
-from drakearm.systems.skeleton_visualizer import STAGE, prepare_stage
 
 _OF_MUSCLES = (  # outputs of HillMuscles that are recorded
     "activation",
@@ -87,9 +86,7 @@ def close_loop(
     } | {name: muscles.GetOutputPort(name) for name in _OF_MUSCLES}
     logs = {name: LogVectorOutput(port, builder, CONTROL_STEP) for name, port in ports.items()}
     if meshcat:
-        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat, STAGE)
-        MuscleVisualizer.AddToBuilder(builder, systems.arm.plant, muscles, meshcat)
-        prepare_stage(meshcat, systems.task.arm, systems.arm.plant)
+        AddMuscleVisualizer(builder, systems.arm, meshcat, scene_graph)
     diagram = builder.Build()
     diagram.set_name(name)
     return TrackingLoop(diagram, systems, logs)

@@ -14,8 +14,8 @@ from drakearm.systems.muscle_drawing import upright
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.skeleton_drawing import SkeletonDrawing
 
-_VIEW = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
-_FIELD_OF_VIEW = 30.0  # degrees
+OBLIQUE = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
+FIELD_OF_VIEW = 30.0  # degrees
 STAGE = MeshcatVisualizerParams()  # of Drake's MeshcatVisualizer beside the muscles: draws as often as they are drawn
 STAGE.publish_period = MuscleVisualizer.PUBLISH_PERIOD
 
@@ -66,21 +66,26 @@ class SkeletonVisualizer(LeafSystem):
         self._drawing.draw([X_WB[body] for body in self._bodies], context.get_time())
 
 
-def prepare_stage(meshcat: Meshcat, arm: Arm, plant: MultibodyPlant, path: str = "/drake") -> None:
-    """Turns what is below a path upright, hides grid and axes, and points the camera at an arm in its first posture."""
+def set_stage(meshcat: Meshcat, arm: Arm, path: str) -> None:
+    """Turns what is below a path upright, hides grid and axes, and lights the scene."""
     meshcat.SetTransform(path, upright(arm))
     for hidden in ("/Grid", "/Axes"):
         meshcat.SetProperty(hidden, "visible", False)
     meshcat.SetProperty("/Background/<object>", "top_color", [1.0, 1.0, 1.0])
     meshcat.SetProperty("/Background/<object>", "bottom_color", [0.90, 0.92, 0.95])
     meshcat.SetProperty("/Lights/AmbientLight/<object>", "intensity", 1.0)
+
+
+def prepare_stage(meshcat: Meshcat, arm: Arm, plant: MultibodyPlant, path: str = "/drake") -> None:
+    """Sets the stage below a path and points the camera at an arm in its first posture."""
+    set_stage(meshcat, arm, path)
     context = plant.CreateDefaultContext()
     frames = [plant.GetFrameByName(arm.tip_frame)]
     frames += [plant.GetBodyByName(body).body_frame() for muscle in arm.muscles for body, _ in muscle.points]
     points = np.array([frame.CalcPoseInWorld(context).translation() for frame in frames])
     low, high = points.min(axis=0), points.max(axis=0)
     center, reach = 0.5 * (low + high), float(np.linalg.norm(high - low))
-    distance = 0.8 * reach / np.sin(np.radians(0.5 * _FIELD_OF_VIEW))  # there is room to move
-    camera = center + distance * _VIEW / np.linalg.norm(_VIEW)
-    meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=_FIELD_OF_VIEW))
+    distance = 0.8 * reach / np.sin(np.radians(0.5 * FIELD_OF_VIEW))  # there is room to move
+    camera = center + distance * OBLIQUE / np.linalg.norm(OBLIQUE)
+    meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=FIELD_OF_VIEW))
     meshcat.SetCameraPose(upright(arm).multiply(camera), upright(arm).multiply(center))

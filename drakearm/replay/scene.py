@@ -15,6 +15,7 @@ from drakearm.model.recording import Recording
 from drakearm.model.skeleton import add_skeleton
 from drakearm.systems.muscle_drawing import MuscleDrawing, segment_pose, upright
 from drakearm.systems.skeleton_drawing import SkeletonDrawing
+from drakearm.systems.skeleton_visualizer import FIELD_OF_VIEW, OBLIQUE, set_stage
 
 GHOST_COLOR = Rgba(0.0, 0.58, 0.55, 0.25)
 PATH_COLOR = Rgba(0.95, 0.55, 0.05, 1.0)
@@ -23,8 +24,6 @@ TARGET_RADIUS = 0.01  # m
 
 _ROOT = "/drakearm"
 _PATH_RADIUS = 0.002  # m
-_OBLIQUE = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
-_FIELD_OF_VIEW = 30.0  # degrees
 _NARROW = 2.0  # degrees, a field of view that shows distances across the view without perspective
 _MARGIN = 1.15  # the distance of the camera over the smallest one that shows the whole arm
 _CLOSE = 0.12  # m, around the path of the hand
@@ -58,18 +57,10 @@ class ReplayScene:
         self._context = self._plant.CreateDefaultContext()
 
         self.meshcat = Meshcat(MeshcatParams(host="localhost", port=port))
-        self._set_stage()
+        set_stage(self.meshcat, arm, _ROOT)
         self._skeleton = SkeletonDrawing(self.meshcat, f"{_ROOT}/arm", self._plant, scene_graph)
         self._ghost = SkeletonDrawing(self.meshcat, f"{_ROOT}/reference", self._plant, scene_graph, GHOST_COLOR)
         self._muscles = MuscleDrawing(self.meshcat, f"{_ROOT}/muscles", arm, self._plant)
-
-    def _set_stage(self) -> None:
-        for path in ("/Grid", "/Axes"):
-            self.meshcat.SetProperty(path, "visible", False)
-        self.meshcat.SetProperty("/Background/<object>", "top_color", [1.0, 1.0, 1.0])
-        self.meshcat.SetProperty("/Background/<object>", "bottom_color", [0.90, 0.92, 0.95])
-        self.meshcat.SetProperty("/Lights/AmbientLight/<object>", "intensity", 1.0)
-        self.meshcat.SetTransform(_ROOT, upright(self._arm))
 
     def draw(self, recording: Recording, i: int, time_in_recording: float | None = None) -> None:
         """Draws sample i. If Meshcat is recording, it stores this frame at time_in_recording (s)."""
@@ -111,11 +102,11 @@ class ReplayScene:
         joint = self._plant.GetJointByName(self._arm.coordinates[-1])
         X_WF = joint.frame_on_parent().CalcPoseInWorld(self._context)
         across = X_WF.rotation().multiply(joint.revolute_axis())
-        across *= np.sign(across @ _OBLIQUE) or 1.0
+        across *= np.sign(across @ OBLIQUE) or 1.0
         return {
-            "oblique": self._view(points, _OBLIQUE, _FIELD_OF_VIEW),
+            "oblique": self._view(points, OBLIQUE, FIELD_OF_VIEW),
             "side": self._view(points, across, _NARROW),
-            "close": self._view(path, _OBLIQUE, _FIELD_OF_VIEW, _CLOSE),
+            "close": self._view(path, OBLIQUE, FIELD_OF_VIEW, _CLOSE),
         }
 
     def set_camera(self, view: View) -> None:
