@@ -89,6 +89,8 @@ class ArmVectorEnv(VectorEnv):
             "fiber_velocity": lambda: self._muscle_state[:, 3 * n :],
             "tendon_force": self._tendon_force,
         }
+        read = [*self._observation.reads, *(name for reward in self._distinct_rewards for name in reward.reads)]
+        self._accumulates = "accumulated_error" in read
         late = any(task.senses_delay > 0.0 or task.randomization for task in tasks)
         sizes = {name: signal_size(name, arm, tasks[0].lookahead) for name in self._observation.reads}
         self._past = PastSignals(
@@ -124,8 +126,9 @@ class ArmVectorEnv(VectorEnv):
         noisy = values
         if self._motor_noise.any():
             noisy = values.clip(0.0, 1.0) * self._noise_factor[np.arange(self.num_envs), self.reference_step]
-        error = (self._reference.take(self._row, axis=0) - self._arm_state)[:, : self._n_q]
-        self._accumulated = REMEMBERED * self._accumulated + CONTROL_STEP * error
+        if self._accumulates:
+            error = self._signals["tracking_error"]()[:, : self._n_q]
+            self._accumulated = REMEMBERED * self._accumulated + CONTROL_STEP * error
         self._acceleration = self._arms.step(noisy, round(CONTROL_STEP / TIME_STEP), TIME_STEP)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._recent = np.concatenate([values[:, None], self._recent[:, :-1]], axis=1)
