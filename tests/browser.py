@@ -1,7 +1,6 @@
 """A headless Chromium that tests drive, and what is wrong with the pages that it shows."""
 
 import atexit
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -9,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+from drakearm.replay.film import BROWSER_OPTIONS, find_chromium
+
+CHROMIUM = find_chromium()
 needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed: expected chromium in the PATH")
 PICTURES = Path(__file__).parents[1] / "build" / "screenshots"  # kept, to be looked at
 
@@ -37,8 +38,7 @@ def _browser():
 
     playwright = sync_playwright().start()
     atexit.register(playwright.stop)
-    arguments = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    browser = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments)
+    browser = playwright.chromium.launch(executable_path=CHROMIUM, args=BROWSER_OPTIONS)
     atexit.register(browser.close)
     return browser
 

@@ -18,11 +18,18 @@ from drakearm.files.writing import storage
 
 SIZE = (960, 600)  # pixels
 RATE = 25  # frames per second
+# Software rendering, which needs no graphics card and no display.
+BROWSER_OPTIONS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 _PAUSE = 0.6  # s, of the last frame
 _COLORS = 256  # of a GIF: more make the file larger
 _HIDE = (
     "#replay-controls { display: none !important; } #replay-legend { bottom: 18px; } #replay-strip { bottom: 18px; }"
 )
+
+
+def find_chromium() -> str | None:
+    """The program that shows pages; None if it is not installed."""
+    return shutil.which("chromium") or shutil.which("google-chrome")
 
 
 def write_picture(page: Path, file: Path, at: float, size: tuple[int, int] = SIZE) -> None:
@@ -62,13 +69,12 @@ def _frames_here(page: Path, times: list[float], size: tuple[int, int]) -> Itera
         from playwright.sync_api import Error, sync_playwright
     except ImportError as error:
         raise FilmError("Playwright is not installed: expected `pip install drakearm[films]`.") from error
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    chromium = find_chromium()
     if chromium is None:
         raise FilmError("Chromium is not installed: expected its program chromium in the PATH.")
-    arguments = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with sync_playwright() as playwright:
         try:
-            browser = playwright.chromium.launch(executable_path=chromium, args=arguments)
+            browser = playwright.chromium.launch(executable_path=chromium, args=BROWSER_OPTIONS)
             tab: Any = browser.new_page(viewport={"width": size[0], "height": size[1]}, color_scheme="light")
             tab.goto(page.resolve().as_uri())
             tab.wait_for_function("document.body.dataset.replay === 'ready'")

@@ -5,7 +5,6 @@ process and the browser share the cores that they find; `taskset -c 0` leaves on
 """
 
 import argparse
-import shutil
 import subprocess
 import tempfile
 import time
@@ -15,9 +14,10 @@ import numpy as np
 
 from drakearm.repertoire.live import REACH, Live
 from drakearm.repertoire.shipped import policy_and_repertoire
+from drakearm.replay.film import BROWSER_OPTIONS, find_chromium
 
 TARGETS = ((0.25, 0.35), (0.4, 0.6), (0.1, 0.45), (0.35, 0.75))  # m
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+CHROMIUM = find_chromium()
 
 
 def click(live: Live, button: str) -> None:
@@ -47,7 +47,7 @@ class Reaching(Live):
 def open_browser(url: str, stack: ExitStack) -> None:
     """Shows the page in a headless browser until the stack is closed."""
     profile = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
-    options = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    options = ["--headless=new", *BROWSER_OPTIONS]
     command = [CHROMIUM, *options, f"--user-data-dir={profile}", "--remote-debugging-port=0", url]
     browser = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     stack.callback(browser.wait)
