@@ -97,7 +97,7 @@ def _draw_spreads(panel: Axes, method: Method, seeds: "list[Reaches]") -> None:
     panel.plot(PHASES, people.within, linewidth=1.6, **_PEOPLE)
     panel.set(xlim=(0, 1))
     panel.set_ylim(bottom=0)
-    label_panel(panel, "spread between runs", "time / duration", "standard deviation")
+    label_panel(panel, "spread between runs", "time / duration", "deviation / peak speed")
 
 
 def _draw_similarity(panels: list[Axes], measured: Mapping[Method, "list[Reaches]"]) -> None:
