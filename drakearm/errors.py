@@ -31,6 +31,10 @@ class ArmError(DrakearmError):
     """An arm folder that cannot be read or does not describe a valid arm."""
 
 
+class PathError(ArmError):
+    """Muscle paths that cannot become functions of the joint angles."""
+
+
 class EquilibriumError(DrakearmError):
     """A muscle whose fiber and tendon cannot be in equilibrium, or a posture that the muscles are too weak to hold."""
 
