@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.model.arm import Arm, Muscle
 from drakearm.model.musculature import RESTING_ACTIVATION, muscle_geometry
-from drakearm.model.skeleton import add_skeleton
+from drakearm.model.skeleton import position_ranges, skeleton_plant
 from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length
 
@@ -111,13 +110,8 @@ def inspect_arm(arm: Arm) -> Inspection:
 
 def joint_ranges(arm: Arm) -> dict[str, Interval]:
     """The range (rad) of every coordinate, from the skeleton; [-pi, pi] where it has no limits."""
-    plant = MultibodyPlant(time_step=0.0)
-    add_skeleton(plant, arm)
-    plant.Finalize()
-    lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
-    lower = np.where(np.isfinite(lower), lower, -np.pi)
-    upper = np.where(np.isfinite(upper), upper, np.pi)
-    return {name: Interval(*limits) for name, *limits in zip(arm.coordinates, lower, upper, strict=True)}
+    limits = zip(*position_ranges(skeleton_plant(arm)), strict=True)
+    return {name: Interval(*each) for name, each in zip(arm.coordinates, limits, strict=True)}
 
 
 def _crossings(arm: Arm, ranges: dict[str, Interval], neutral: np.ndarray) -> list[tuple[Crossing, ...]]:
