@@ -63,11 +63,11 @@ def write_limb(folder: Path, muscles=(FLEXOR, EXTENSOR), surfaces=(ROLL,), skele
 
 FORK = (  # a trunk with two fingers, whose axes are not parallel
     WORLD,
-    link("trunk", 0.5, 0.2),
+    link("trunk", 1.5, 0.3),
     hinge("wrist", "base", "trunk", axis=(0, 1, 0.2), limits=(-1, 1)),
-    link("left", 0.1, 0.1),
+    link("left", 0.6, 0.2),
     hinge("left_finger", "trunk", "left", (0, 0.03, -0.2), (0, 1, 0), (-1, 1)),
-    link("right", 0.12, 0.1),
+    link("right", 0.7, 0.2),
     hinge("right_finger", "trunk", "right", (0, -0.03, -0.2), (0.3, 1, 0), (-1, 1)),
 )
 
@@ -91,6 +91,10 @@ def write_fork(folder: Path):
         *pair("wrist", "base", "trunk", (0.0, 0.0), 300.0, 0.02),
         *pair("left", "trunk", "left", (0.03, -0.2), 60.0, 0.01),
         *pair("right", "trunk", "right", (-0.03, -0.2), 60.0, 0.01),
-        muscle("long", [("base", [-0.02, 0, 0.1]), ("trunk", [-0.02, 0, -0.1]), ("left", [-0.01, 0, -0.03])]),
+        muscle(
+            "long",
+            [("base", [-0.02, 0, 0.1]), ("trunk", [-0.02, 0, -0.1]), ("left", [-0.01, 0, -0.03])],
+            max_isometric_force=60.0,
+        ),
     )
     return write_limb(folder, muscles, (), FORK, "left")

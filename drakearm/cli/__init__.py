@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from drakearm.cli import evaluate, export, inspect, learn, live, move, plan, replay, reproduce, run, train
+from drakearm.cli import evaluate, export, inspect, learn, live, move, new_limb, plan, replay, reproduce, run, train
 from drakearm.cli.console import console, show_error
 from drakearm.cli.list import list_scenarios
 from drakearm.cli.streams import abandon_output, prepare_streams
@@ -48,6 +48,7 @@ app.command("move")(move.move)
 app.command("live")(live.live)
 app.command("plan-library")(learn.plan_library)
 app.command("learn")(learn.learn)
+app.command("new-limb")(new_limb.new_limb)
 app.command("reproduce")(reproduce.reproduce)
 
 

@@ -38,11 +38,13 @@ class FittedPath:
     largest_moment_arm: float  # m
 
     @property
+    def moment_arm_share(self) -> float:
+        """The largest error of a moment arm over the largest moment arm."""
+        return self.moment_arm_error / self.largest_moment_arm
+
+    @property
     def is_good(self) -> bool:
-        return (
-            self.length_error <= _LARGEST_LENGTH_ERROR
-            and self.moment_arm_error <= _LARGEST_ARM_ERROR * self.largest_moment_arm
-        )
+        return self.length_error <= _LARGEST_LENGTH_ERROR and self.moment_arm_share <= _LARGEST_ARM_ERROR
 
 
 def fit_points(plant: MultibodyPlant, arm: Arm, muscles: tuple[Muscle, ...], file: Path) -> tuple[FittedPath, ...]:

@@ -1,10 +1,13 @@
 """The numbers by which a biomechanist checks an arm: lengths, moment arms, working ranges and curves of each muscle."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
 from drakearm.model.arm import Arm, Muscle
+from drakearm.model.fitted_paths import FittedPath
 from drakearm.model.musculature import RESTING_ACTIVATION, muscle_geometry
 from drakearm.model.skeleton import position_ranges, skeleton_plant
 from drakearm.muscle import models
@@ -84,16 +87,25 @@ class MuscleInspection:
 
 @dataclass(frozen=True)
 class Inspection:
-    """All muscles of an arm. neutral: the angles (rad) of the other joints while one joint moves."""
+    """All muscles of an arm. neutral: the angles (rad) of the other joints while one joint moves.
+
+    fitted, optimal_posture: as in `drakearm.model.limb.Limb`.
+    """
 
     arm: Arm
     ranges: dict[str, Interval]  # rad, of the joints
     neutral: dict[str, float]
     muscles: tuple[MuscleInspection, ...]
+    fitted: Mapping[str, FittedPath]
+    optimal_posture: Mapping[str, np.ndarray]
 
 
-def inspect_arm(arm: Arm) -> Inspection:
-    """Inspects every muscle over the joint ranges of the skeleton.
+def inspect_arm(
+    arm: Arm,
+    fitted: Mapping[str, FittedPath] = MappingProxyType({}),
+    optimal_posture: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> Inspection:
+    """Inspects every muscle over the joint ranges of the skeleton. `inspect_arm(*load_limb(folder))` knows all.
 
     The range of a joint without limits is one full turn, [-pi, pi]. The neutral angle of a joint is 0, or the limit
     that is nearest to 0. Raises ArmError if the skeleton does not have the joints or frames that the arm names.
@@ -105,7 +117,7 @@ def inspect_arm(arm: Arm) -> Inspection:
         MuscleInspection(muscle, crossed, _working_range(m, crossed), _curves(m))
         for muscle, m, crossed in zip(arm.muscles, arm.muscle_table, crossings, strict=True)
     )
-    return Inspection(arm, ranges, neutral, muscles)
+    return Inspection(arm, ranges, neutral, muscles, fitted, optimal_posture)
 
 
 def joint_ranges(arm: Arm) -> dict[str, Interval]:
