@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 from drakearm.errors import ScenarioError
 from drakearm.files.fields import STRICT, Positive
 from drakearm.files.kinds import Kind
-from drakearm.model.arm import Name
+from drakearm.model.fields import Name
 from drakearm.model.recording import Recording
 from drakearm.task import TrackingTask
 

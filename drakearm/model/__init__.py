@@ -1,7 +1,7 @@
 """What a limb is: its dataclasses, the loader, path functions and the skeleton; references and recordings of it."""
 
 from drakearm.files import Kind
-from drakearm.model.arm import Arm, Capsule, Muscle, PathTerm
+from drakearm.model.arm import Arm, Capsule, Muscle
 from drakearm.model.equilibrium import Equilibrium, find_equilibrium
 from drakearm.model.feedback import Feedback
 from drakearm.model.inspection import inspect_arm
@@ -9,6 +9,7 @@ from drakearm.model.loader import load_arm
 from drakearm.model.motion import Motion
 from drakearm.model.musculature import RESTING_ACTIVATION
 from drakearm.model.obstacle import Obstacle
+from drakearm.model.path_terms import PathTerm, TensorTerm
 from drakearm.model.recording import Recording, load_recordings, save_recordings
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.model.torque_arm import MakeTorqueArm
@@ -28,6 +29,7 @@ __all__ = [
     "PathTerm",
     "Recording",
     "Reference",
+    "TensorTerm",
     "find_equilibrium",
     "inspect_arm",
     "load_arm",

@@ -12,9 +12,10 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic.dataclasses import dataclass
-from scipy.interpolate import BSpline
 
 from drakearm.files.fields import STRICT, Fraction, Number, Positive
+from drakearm.model.fields import Acceleration, Name, Point, each_once
+from drakearm.model.path_terms import AnyTerm, TensorTerm
 from drakearm.model.paths import make_path_table
 from drakearm.muscle.models import MODEL_CODES, MODELS
 from drakearm.muscle.parameters import MUSCLE_DTYPE
@@ -23,9 +24,6 @@ _DENSITY = 1059.7  # kg/m^3, of muscle (Mendez and Keys 1960)
 _STEEPEST = np.arccos(0.1)  # pennation at the minimum fiber length, as in OpenSim
 _SHORTEST = 1e-3  # times optimal fiber length: least length of an unpennated fiber, which would have no direction at 0
 _LEAST_STRETCH = 1e-4  # optimal fiber lengths, of a compliant tendon at max_isometric_force
-_CLOSEST_KNOTS = 1e-6  # rad
-_LARGEST_MOMENT_ARM = 100.0  # m, as bounded by the coefficients of the spline, which can be far above the true one
-_HIGHEST_DEGREE = 12  # of a path's spline: higher polynomials are not computed accurately
 
 
 def _within(low: float, high: float, unit: str = "") -> AfterValidator:
@@ -37,73 +35,6 @@ def _within(low: float, high: float, unit: str = "") -> AfterValidator:
         return value
 
     return AfterValidator(check)
-
-
-def _name(value: str) -> str:
-    if not value.isprintable() or value != value.strip():
-        raise ValueError("expected a name without control characters and without spaces around it")
-    return value
-
-
-def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
-    if not names:
-        raise ValueError("expected at least one")
-    for name, count in Counter(names).items():
-        if count > 1:
-            raise ValueError(f"{name} is given twice: expected every name once")
-    return names
-
-
-Name = Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_name)]
-Angle = Annotated[Number, Field(ge=-100.0, le=100.0)]  # rad
-Length = Annotated[Number, Field(ge=-100.0, le=100.0)]  # m
-Acceleration = Annotated[Number, Field(ge=-1000.0, le=1000.0)]  # m/s^2
-Point = tuple[Name, tuple[Length, Length, Length]]  # a body, and the position in it
-
-
-@dataclass(frozen=True, config=STRICT)
-class PathTerm:
-    """The part of a musculotendon length (m) that depends on one coordinate (rad).
-
-    It is a B-spline, which continues linearly outside its knots.
-    """
-
-    coordinate: Name
-    knots: Annotated[tuple[Angle, ...], Field(max_length=1000)]
-    coefficients: Annotated[tuple[Length, ...], Field(max_length=1000)]
-
-    @field_validator("coefficients")
-    @classmethod
-    def _fits_knots(cls, coefficients: tuple, info: ValidationInfo) -> tuple:
-        if "knots" not in info.data:  # they have a problem of their own
-            return coefficients
-        knots = info.data["knots"]
-        degree = len(knots) - len(coefficients) - 1
-        counts = f"{len(knots)} knots for {len(coefficients)} coefficients"
-        if len(coefficients) < 2:
-            raise ValueError("expected at least 2 coefficients")
-        if degree < 1:
-            raise ValueError(f"found {counts}, expected at least {len(coefficients) + 2} knots")
-        if degree > _HIGHEST_DEGREE:
-            most = len(coefficients) + _HIGHEST_DEGREE + 1
-            raise ValueError(f"found {counts}, expected at most {most}: a spline of degree {_HIGHEST_DEGREE}")
-        gaps = np.diff(knots)
-        if np.any(gaps < 0) or not knots[degree] < knots[-degree - 1]:
-            raise ValueError("expected knots in ascending order")
-        if np.any((gaps > 0) & (gaps < _CLOSEST_KNOTS)):
-            raise ValueError(f"expected knots that are equal or at least {_CLOSEST_KNOTS:g} rad apart")
-        spans = np.subtract(knots[degree + 1 : -1], knots[1 : -degree - 1])  # rad, one per coefficient of the slope
-        if not spans.all():
-            raise ValueError(f"expected knots that are given at most {degree} times, or {degree + 1} times at an end")
-        steepest = np.abs(degree * np.diff(coefficients) / spans).max()
-        if steepest > _LARGEST_MOMENT_ARM:
-            raise ValueError(f"found moment arms of up to {steepest:.3g} m, expected at most {_LARGEST_MOMENT_ARM:g} m")
-        return coefficients
-
-    @property
-    def spline(self) -> BSpline:
-        degree = len(self.knots) - len(self.coefficients) - 1
-        return BSpline(np.array(self.knots), np.array(self.coefficients), degree)
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -120,7 +51,7 @@ class Muscle:
     optimal_fiber_length: Annotated[Positive, _within(1e-5, 10.0, " m")]
     tendon_slack_length: Annotated[Positive, _within(1e-6, 10.0, " m")]
     pennation_angle: Annotated[Number, Field(ge=0, lt=1.4)]  # at the optimal fiber length
-    path: tuple[PathTerm, ...]
+    path: tuple[AnyTerm, ...]  # the musculotendon length is the sum of these
     points: Annotated[tuple[Point, ...], Field(max_length=1000)]  # for drawing only
     max_contraction_velocity: Annotated[Positive, _within(0.1, 100.0)]  # optimal fiber lengths per second
     activation_time: Annotated[Positive, _within(1e-3, 10.0, " s")]
@@ -139,8 +70,8 @@ class Muscle:
 
     @field_validator("path")
     @classmethod
-    def _one_term_per_coordinate(cls, path: tuple[PathTerm, ...]) -> tuple[PathTerm, ...]:
-        _each_once(tuple(term.coordinate for term in path))
+    def _one_term_per_coordinates(cls, path: tuple[AnyTerm, ...]) -> tuple[AnyTerm, ...]:
+        each_once(tuple(" with ".join(sorted(term.coordinates)) for term in path))
         return path
 
     @field_validator("model")
@@ -218,7 +149,7 @@ class Arm:
     skeleton: Path  # absolute
     gravity: tuple[Acceleration, Acceleration, Acceleration]  # in the world
     # Joints of the skeleton. The compiled equations of motion of a chain have about 5 times more terms per joint.
-    coordinates: Annotated[tuple[Name, ...], Field(max_length=7), AfterValidator(_each_once)]
+    coordinates: Annotated[tuple[Name, ...], Field(max_length=7), AfterValidator(each_once)]
     load_frame: Name  # frame of the skeleton where loads hang
     tip_frame: Name  # frame of the skeleton whose path is planned and drawn
     muscles: Annotated[tuple[Muscle, ...], Field(max_length=1000)]
@@ -238,11 +169,12 @@ class Arm:
         coordinates = info.data["coordinates"]
         for muscle in muscles:
             for term in muscle.path:
-                if term.coordinate not in coordinates:
-                    raise ValueError(
-                        f"the path of {muscle.name} depends on {term.coordinate}: "
-                        f"expected one of the coordinates {', '.join(coordinates)}"
-                    )
+                for name in term.coordinates:
+                    if name not in coordinates:
+                        raise ValueError(
+                            f"the path of {muscle.name} depends on {name}: "
+                            f"expected one of the coordinates {', '.join(coordinates)}"
+                        )
         return muscles
 
     @property
@@ -258,10 +190,12 @@ class Arm:
     @cached_property
     def path_table(self) -> np.ndarray:
         """The path functions of the muscles for the compiled functions, see `make_path_table`."""
-        return make_path_table(
-            [
-                (i, self.coordinates.index(term.coordinate), term.spline)
-                for i, muscle in enumerate(self.muscles)
-                for term in muscle.path
-            ]
-        )
+        one, several = [], []
+        for i, muscle in enumerate(self.muscles):
+            for term in muscle.path:
+                at = [self.coordinates.index(name) for name in term.coordinates]
+                if isinstance(term, TensorTerm):
+                    several.append((i, at, term.splines, np.array(term.coefficients)))
+                else:
+                    one.append((i, at[0], term.spline))
+        return make_path_table(one, several)

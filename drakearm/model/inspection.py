@@ -12,6 +12,7 @@ from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length
 
 _SAMPLES = 181  # in a range of angles or path lengths
+_GRID = 9  # angles of each of the other joints, for a length that is no sum of one function per coordinate
 _CURVE_SAMPLES = 121
 _PRECISION = 1e-7  # m, of the shortest path
 
@@ -120,11 +121,7 @@ def joint_ranges(arm: Arm) -> dict[str, Interval]:
 
 
 def _crossings(arm: Arm, ranges: dict[str, Interval], neutral: np.ndarray) -> list[tuple[Crossing, ...]]:
-    """The crossings of every muscle.
-
-    A musculotendon length is a sum of one function per coordinate. So it is known for all joint angles if each joint is
-    moved alone.
-    """
+    """The crossings of every muscle."""
     q = np.array([np.linspace(r.lower, r.upper, _SAMPLES) for r in ranges.values()])
     length = np.empty((len(arm.muscles), *q.shape))
     moment_arm = np.empty_like(length)
@@ -135,29 +132,56 @@ def _crossings(arm: Arm, ranges: dict[str, Interval], neutral: np.ndarray) -> li
         moment_arm[:, j, k] = arms[:, j]
     at_neutral, _ = muscle_geometry(neutral, arm.muscle_table, arm.path_table)
     change = length - at_neutral[:, None, None]
+    # Where the length is a sum of one function per coordinate, it is known for all angles if each joint moves alone.
     least, most = change.min(axis=2), change.max(axis=2)
     shortest = length + (least.sum(axis=1, keepdims=True) - least)[:, :, None]
     longest = length + (most.sum(axis=1, keepdims=True) - most)[:, :, None]
 
     crossings = []
     for i, muscle in enumerate(arm.muscles):
-        splines = {term.coordinate: term.spline for term in muscle.path}
+        fitted = _fitted(muscle)
+        crossed = [j for j, name in enumerate(arm.coordinates) if name in fitted]
+        if any(len(term.coordinates) > 1 for term in muscle.path):
+            for j in crossed:
+                grid = _grid(arm, i, q, j, [other for other in crossed if other != j], neutral)
+                shortest[i, j], longest[i, j] = grid.min(axis=1), grid.max(axis=1)
         crossings.append(
             tuple(
                 Crossing(
-                    coordinate=name,
+                    coordinate=arm.coordinates[j],
                     q=q[j],
                     length=length[i, j],
                     shortest=shortest[i, j],
                     longest=longest[i, j],
                     moment_arm=moment_arm[i, j],
-                    fitted=Interval(splines[name].t[splines[name].k], splines[name].t[-splines[name].k - 1]),
+                    fitted=fitted[arm.coordinates[j]],
                 )
-                for j, name in enumerate(arm.coordinates)
-                if name in splines
+                for j in crossed
             )
         )
     return crossings
+
+
+def _fitted(muscle: Muscle) -> dict[str, Interval]:
+    """The angles (rad) of every coordinate of a muscle inside the knots of all of its terms."""
+    fitted: dict[str, Interval] = {}
+    for term in muscle.path:
+        for name, (lower, upper) in zip(term.coordinates, term.ranges, strict=True):
+            before = fitted.get(name, Interval(lower, upper))
+            fitted[name] = Interval(max(lower, before.lower), min(upper, before.upper))
+    return fitted
+
+
+def _grid(arm: Arm, muscle: int, q: np.ndarray, j: int, others: list[int], neutral: np.ndarray) -> np.ndarray:
+    """The lengths (_SAMPLES, K), m, of a muscle at the angles q[j] of a joint, and on a grid of the other ones."""
+    axes = [np.linspace(q[other, 0], q[other, -1], _GRID) for other in others]
+    postures = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(others))
+    lengths = np.empty((q.shape[1], len(postures)))
+    for k, m in np.ndindex(lengths.shape):
+        moved = neutral.copy()
+        moved[j], moved[others] = q[j, k], postures[m]
+        lengths[k, m] = muscle_geometry(moved, arm.muscle_table, arm.path_table)[0][muscle]
+    return lengths
 
 
 def _working_range(m: np.void, crossings: tuple[Crossing, ...]) -> WorkingRange:

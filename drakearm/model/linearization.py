@@ -25,7 +25,7 @@ def linearize_muscles(fibers, excitation, arm_state, muscles, paths):
     """
     n, n_q = len(muscles), len(arm_state) // 2
     q, v = arm_state[:n_q], arm_state[n_q:]
-    length, moment_arm, curvature = np.empty(n), np.empty((n, n_q)), np.empty((n, n_q))
+    length, moment_arm, curvature = np.empty(n), np.empty((n, n_q)), np.empty((n, n_q, n_q))
     evaluate_paths(q, paths, length, moment_arm)
     evaluate_path_curvatures(q, paths, curvature)
     value = np.zeros(4 * n + n_q)
@@ -54,7 +54,9 @@ def linearize_muscles(fibers, excitation, arm_state, muscles, paths):
         jacobian[2 * n + i, i], jacobian[2 * n + i, n + i] = force_by_a, force_by_fiber
         for j in range(n_q):
             arm, at_q, at_v = moment_arm[i, j], 3 * n + j, 3 * n + n_q + j
-            speed_by_q = curvature[i, j] * v[j]
+            speed_by_q = 0.0
+            for k in range(n_q):
+                speed_by_q += curvature[i, j, k] * v[k]
             jacobian[n + i, at_q] = -velocity_by_length * arm + velocity_by_speed * speed_by_q
             jacobian[n + i, at_v] = -velocity_by_speed * arm
             jacobian[2 * n + i, at_q] = -force_by_length * arm + force_by_speed * speed_by_q
@@ -64,5 +66,6 @@ def linearize_muscles(fibers, excitation, arm_state, muscles, paths):
             value[4 * n + j] += moment_arm[i, j] * force
             for k in range(3 * n + 2 * n_q):
                 jacobian[4 * n + j, k] += moment_arm[i, j] * jacobian[2 * n + i, k]
-            jacobian[4 * n + j, 3 * n + j] -= curvature[i, j] * force
+            for k in range(n_q):
+                jacobian[4 * n + j, 3 * n + k] -= curvature[i, j, k] * force
     return value, jacobian

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drakearm.model.paths import PathPieces, count_terms, evaluate_path_lanes, make_path_pieces
+from drakearm.model.paths import PathPieces, count_slopes, evaluate_path_lanes, make_path_pieces
 from drakearm.muscle.activation import activation_step
 from drakearm.muscle.compiled import fma, inlined, inner
 from drakearm.muscle.contraction import (
@@ -60,7 +60,7 @@ class MuscleLanes(NamedTuple):
 
 def make_muscle_lanes(n: int, paths: np.ndarray, n_q: int, lanes: int) -> MuscleLanes:
     """Working memory for `lanes` arms with n muscles and n_q coordinates each. paths: `Arm.path_table`."""
-    terms = count_terms(paths)
+    terms = count_slopes(paths)
     return MuscleLanes(
         make_path_pieces(paths, lanes),
         np.empty((n, lanes)),

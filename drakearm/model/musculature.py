@@ -13,7 +13,7 @@ import numpy as np
 
 from drakearm.errors import EquilibriumError, StateError
 from drakearm.model.arm import Arm
-from drakearm.model.paths import count_terms, evaluate_path_lanes, evaluate_paths, make_path_pieces
+from drakearm.model.paths import count_slopes, evaluate_path_lanes, evaluate_paths, make_path_pieces
 from drakearm.muscle.activation import activation_rate, activation_step
 from drakearm.muscle.compiled import compiled, inner
 from drakearm.muscle.contraction import (
@@ -198,7 +198,7 @@ def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -
     """
     muscles, paths, count = arm.muscle_table, arm.path_table, len(q)
     activation = np.array(np.broadcast_to(activation, (count, len(muscles))))
-    pieces, slope = make_path_pieces(paths, count), np.empty((count_terms(paths), count))
+    pieces, slope = make_path_pieces(paths, count), np.empty((count_slopes(paths), count))
     length, force = np.empty((2, len(muscles), count))
     _equilibrium(activation, np.ascontiguousarray(q.T), muscles, paths, pieces, length, slope, force)
     ratio = force / muscles["max_isometric_force"][:, None]

@@ -1,28 +1,35 @@
 """Path functions: musculotendon lengths and moment arms as functions of the joint angles.
 
-The length of a muscle is a sum of terms: one spline for each coordinate that the muscle crosses. Outside its knots a
-spline continues along its tangent. A moment arm is minus the derivative of the same spline, so lengths and moment arms
-always agree.
+The length of a muscle is a sum of terms: one spline for each coordinate that the muscle crosses, or splines of several
+coordinates (`drakearm.model.tensor_paths`) where the length is no such sum. Outside its knots a spline continues along
+its tangent. A moment arm is minus the derivative of the same spline, so lengths and moment arms always agree.
 
 `evaluate_paths` computes one posture. `evaluate_path_lanes` computes many, one per lane, and remembers which piece of a
 spline each lane is in. tests/model/test_paths.py compares the two. `drakearm.muscle.compiled` explains lanes.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
 
+from drakearm.model.tensor_paths import evaluate_tensor, tensor_curvature, tensor_rows, tensor_scratch
 from drakearm.muscle.compiled import fma, inlined, inner
 
-_LEAST_ORDER = 4  # coefficients per piece, at least: those of a cubic spline, and the four numbers of a header fit in
+_LEAST_ORDER = 4  # coefficients per piece, at least: those of a cubic spline, and the five numbers of a header fit in
 
 
-def make_path_table(terms: list[tuple[int, int, BSpline]]) -> np.ndarray:
+def make_path_table(
+    terms: Sequence[tuple[int, int, BSpline]],
+    tensor_terms: Sequence[tuple[int, Sequence[int], Sequence[BSpline], np.ndarray]] = (),
+) -> np.ndarray:
     """The terms (muscle, coordinate, spline) as a table of polynomial pieces, for the compiled functions.
 
-    The table has these rows for each term, one term after the other:
+    tensor_terms: those of several coordinates (muscle, coordinates, splines, coefficients), see `tensor_rows`.
+
+    The table has these rows for each term of one coordinate, one term after the other, and then the tensor terms:
 
     - a header: muscle, coordinate, number of knots; and 1 if the previous term has the same coordinate and knots, or 0;
     - one row per knot: the knot (rad), and the coefficients c_j (m) of the polynomial sum_j c_j (q - knot)^j that holds
@@ -43,6 +50,7 @@ def make_path_table(terms: list[tuple[int, int, BSpline]]) -> np.ndarray:
             pieces[:-1, 1 + j] = spline(knots[:-1], nu=j) / math.factorial(j)
         rows += [header, pieces]
         before = (coordinate, _knots(spline))
+    rows += [tensor_rows(*term, width=1 + order) for term in tensor_terms]
     return np.concatenate(rows)
 
 
@@ -50,13 +58,13 @@ def _knots(spline: BSpline) -> list[float]:
     return np.unique(spline.t[spline.k : len(spline.t) - spline.k]).tolist()
 
 
-def count_terms(paths: np.ndarray) -> int:
-    """The number of terms in a table."""
-    terms = header = 0
+def count_slopes(paths: np.ndarray) -> int:
+    """The number of slopes of all terms in a table: each term has one per coordinate."""
+    slopes = header = 0
     while header < len(paths):
-        terms += 1
+        slopes += 1
         header += 1 + int(paths[header, 2])
-    return terms
+    return slopes
 
 
 class PathPieces(NamedTuple):
@@ -71,7 +79,7 @@ class PathPieces(NamedTuple):
 
 def make_path_pieces(paths: np.ndarray, lanes: int) -> PathPieces:
     """PathPieces for a number of lanes, none of which has found its piece yet."""
-    terms, order = count_terms(paths), paths.shape[1] - 1
+    terms, order = count_slopes(paths), paths.shape[1] - 1
     return PathPieces(
         np.empty(lanes, np.int64),
         np.full((terms, lanes), np.inf),
@@ -107,10 +115,11 @@ def _follow_pieces(q, j, paths, first, last, found, start, stop, knot, term):
 
 @inner
 def evaluate_path_lanes(q, paths, pieces, length, slope):
-    """Writes lengths (n, lanes), m, and the slope of each term (terms, lanes), m/rad, at joint angles q (n_q, lanes).
+    """Writes lengths (n, lanes), m, and the slopes of the terms (terms, lanes), m/rad, at joint angles q (n_q, lanes).
 
-    pieces: see `make_path_pieces`. A moment arm is minus the slope of a term. Consecutive terms with the same
-    coordinate and knots form a group: their lanes are in the same pieces, which are found only once.
+    pieces: see `make_path_pieces`. A moment arm is minus the slope of a term; a term of several coordinates has one row
+    of slopes for each of them. Consecutive terms with the same coordinate and knots form a group: their lanes are in
+    the same pieces, which are found only once.
     """
     found, start, stop, knot, c = pieces
     lanes, order = len(found), len(c)
@@ -120,6 +129,12 @@ def evaluate_path_lanes(q, paths, pieces, length, slope):
     moved = False
     while header < len(paths):
         i, j = int(paths[header, 0]), int(paths[header, 1])
+        if paths[header, 4] > 1.0:
+            count = int(paths[header, 4])
+            _tensor_lanes(q, paths, header, count, length[i], slope[term : term + count])
+            header += count + int(paths[header + count - 1, 2])
+            term += count
+            continue
         first, last = header + 1, header + int(paths[header, 2])
         if paths[header, 3] == 0.0:
             group = term
@@ -154,6 +169,20 @@ def evaluate_path_lanes(q, paths, pieces, length, slope):
 
 
 @inner
+def _tensor_lanes(q, paths, header, count, length, slope):
+    """Adds a term of several coordinates to the lengths (lanes,), and writes its slopes (count, lanes)."""
+    factors, sums = tensor_scratch(paths, header, count)
+    own = np.empty(count)
+    for k in range(len(length)):
+        for c in range(count):
+            own[c] = q[int(paths[header + c, 1]), k]
+        evaluate_tensor(own, paths, header, count, factors, sums)
+        length[k] += sums[0, 0]
+        for c in range(count):
+            slope[c, k] = sums[1 + c, 0]
+
+
+@inner
 def _evaluate_term(q, rows):
     """Value, first and second derivative at q of one spline. rows: those of its knots in the path table."""
     last = len(rows) - 2
@@ -179,19 +208,49 @@ def evaluate_paths(q, paths, length, moment_arm):
     moment_arm[:] = 0.0
     header = 0
     while header < len(paths):
-        i, j, end = int(paths[header, 0]), int(paths[header, 1]), header + 1 + int(paths[header, 2])
-        value, slope, _ = _evaluate_term(q[j], paths[header + 1 : end])
-        length[i] += value
-        moment_arm[i, j] -= slope
-        header = end
+        i, j = int(paths[header, 0]), int(paths[header, 1])
+        if paths[header, 4] > 1.0:
+            count = int(paths[header, 4])
+            factors, sums = tensor_scratch(paths, header, count)
+            evaluate_tensor(_own(q, paths, header, count), paths, header, count, factors, sums)
+            length[i] += sums[0, 0]
+            for c in range(count):
+                moment_arm[i, int(paths[header + c, 1])] -= sums[1 + c, 0]
+            header += count + int(paths[header + count - 1, 2])
+        else:
+            end = header + 1 + int(paths[header, 2])
+            value, slope, _ = _evaluate_term(q[j], paths[header + 1 : end])
+            length[i] += value
+            moment_arm[i, j] -= slope
+            header = end
 
 
 @inner
 def evaluate_path_curvatures(q, paths, curvature):
-    """Writes the second derivatives (n, n_q) of the lengths, m/rad^2. Mixed ones are 0, because lengths are sums."""
+    """Writes the second derivatives (n, n_q, n_q) of the lengths, m/rad^2."""
     curvature[:] = 0.0
     header = 0
     while header < len(paths):
-        i, j, end = int(paths[header, 0]), int(paths[header, 1]), header + 1 + int(paths[header, 2])
-        curvature[i, j] += _evaluate_term(q[j], paths[header + 1 : end])[2]
-        header = end
+        i, j = int(paths[header, 0]), int(paths[header, 1])
+        if paths[header, 4] > 1.0:
+            count = int(paths[header, 4])
+            factors, sums = tensor_scratch(paths, header, count)
+            place = evaluate_tensor(_own(q, paths, header, count), paths, header, count, factors, sums)
+            for c in range(count):
+                for d in range(count):
+                    second = tensor_curvature(paths, header, count, place, factors, c, d)
+                    curvature[i, int(paths[header + c, 1]), int(paths[header + d, 1])] += second
+            header += count + int(paths[header + count - 1, 2])
+        else:
+            end = header + 1 + int(paths[header, 2])
+            curvature[i, j, j] += _evaluate_term(q[j], paths[header + 1 : end])[2]
+            header = end
+
+
+@inner
+def _own(q, paths, header, count):
+    """The angles (count,) of the coordinates of a term of several coordinates."""
+    own = np.empty(count)
+    for c in range(count):
+        own[c] = q[int(paths[header + c, 1])]
+    return own

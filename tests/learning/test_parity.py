@@ -25,6 +25,7 @@ from drakearm.task import (
     Start,
     StartState,
 )
+from tests.coupled_arm import with_tensor_paths
 
 NAMES = list(scenario_files())
 TOLERANCE = {"first observation": 2.0**-23, "observation": 2.0**-23, "final_obs": 2.0**-23}  # float32; all else: 1e-8
@@ -112,6 +113,12 @@ def test_the_papers_observation(task):
     task = replace(task, senses=OBSERVATIONS["paper"], load_mass=5.0)
     actions = draw_actions("uniform", len(task.reference.t) - 1 + BEYOND, 2)
     assert_parity(["paper"] * 2, ArmVectorEnv(task, 2), diagrams([task] * 2), actions, seed=7)
+
+
+def test_paths_that_depend_on_two_coordinates_together(task):
+    task = replace(task, arm=with_tensor_paths(task.arm, 1e-3))
+    actions = draw_actions("uniform", len(task.reference.t) - 1 + BEYOND, 2)
+    assert_parity(["coupled"] * 2, ArmVectorEnv(task, 2), diagrams([task] * 2), actions, seed=7)
 
 
 @dataclass(frozen=True)

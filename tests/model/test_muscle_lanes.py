@@ -3,10 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from drakearm.model import load_arm
 from drakearm.model.muscle_lanes import make_muscle_lanes, muscle_kinds, step_muscle_lanes
 from drakearm.model.musculature import muscle_step, resting_states
+from tests.coupled_arm import with_tensor_paths
 
 ARM = load_arm("arm14")
 KINDS = [("thelen2003", "compliant"), ("degroote2016", "compliant"), ("thelen2003", "rigid"), ("degroote2016", "rigid")]
@@ -22,10 +24,11 @@ def mixed_arm():
     return replace(ARM, muscles=tuple(muscles))
 
 
-def test_many_arms_with_mixed_muscles_step_like_each_arm_alone():
+@pytest.mark.parametrize("arm", [mixed_arm(), with_tensor_paths(mixed_arm(), 1e-3)], ids=["one", "coupled"])
+def test_many_arms_with_mixed_muscles_step_like_each_arm_alone(arm):
     """They agree over many steps from rest, while the joints move and the excitations jump."""
     lanes, time_step = 5, 1e-3
-    arm, rng = mixed_arm(), np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     muscles, paths, kinds = arm.muscle_table, arm.path_table, muscle_kinds(arm.muscle_table)
     q = rng.uniform([-0.5, 0.3], [0.5, 1.5], (lanes, 2))
     alone = resting_states(arm, q, 0.05)

@@ -9,7 +9,7 @@ from scipy.interpolate import BSpline
 from drakearm.model import load_arm
 from drakearm.model.musculature import muscle_geometry
 from drakearm.model.paths import (
-    count_terms,
+    count_slopes,
     evaluate_path_curvatures,
     evaluate_path_lanes,
     evaluate_paths,
@@ -53,14 +53,14 @@ def test_splines_of_any_degree_and_knots(degree):
     knots = np.concatenate([[-1.0] * (degree + 1), inner, [1.0] * (degree + 1)])
     spline = BSpline(knots, rng.standard_normal(len(knots) - degree - 1), degree)
     table = make_path_table([(0, 0, spline)])
-    length, moment_arm, curvature = np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1))
+    length, moment_arm, curvature = np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1, 1))
     for q in np.linspace(-1.0, 1.0, 37)[1:-1]:
         evaluate_paths(np.array([q]), table, length, moment_arm)
         evaluate_path_curvatures(np.array([q]), table, curvature)
         np.testing.assert_allclose(length[0], spline(q), rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(moment_arm[0, 0], -spline(q, nu=1), rtol=1e-7, atol=1e-7)
         if degree > 1:
-            np.testing.assert_allclose(curvature[0, 0], spline(q, nu=2), rtol=1e-5, atol=1e-5)
+            np.testing.assert_allclose(curvature[0, 0, 0], spline(q, nu=2), rtol=1e-5, atol=1e-5)
 
 
 @pytest.mark.parametrize("lanes", [1, 7])
@@ -69,7 +69,7 @@ def test_many_arms_have_the_paths_of_each_arm_alone(lanes):
     rng = np.random.default_rng(0)
     paths = ARM.path_table
     pieces = make_path_pieces(paths, lanes)
-    length, slope = np.empty((14, lanes)), np.empty((count_terms(paths), lanes))
+    length, slope = np.empty((14, lanes)), np.empty((count_slopes(paths), lanes))
     for _ in range(100):
         q = rng.uniform(-3.0, 3.0, (2, lanes))
         evaluate_path_lanes(q, paths, pieces, length, slope)

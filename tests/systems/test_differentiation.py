@@ -13,6 +13,7 @@ from drakearm.diagrams import AddMuscleArm
 from drakearm.errors import DerivativeError
 from drakearm.model.joint_stops import HARDENING
 from drakearm.systems import HillMuscles, JointStops
+from tests.coupled_arm import with_tensor_paths
 
 KINDS = [(model, tendon) for model in ("thelen2003", "degroote2016") for tendon in ("compliant", "rigid")]
 
@@ -31,9 +32,10 @@ def with_muscles(arm, model, tendon):
     return replace(arm, muscles=tuple(muscles))
 
 
+@pytest.mark.parametrize("coupled", [False, True])
 @pytest.mark.parametrize(("model", "tendon"), KINDS)
-def test_gradients_of_every_output_and_of_the_state_agree_with_differences(arm, model, tendon):
-    muscles = HillMuscles(with_muscles(arm, model, tendon), 0.0)
+def test_gradients_of_every_output_and_of_the_state_agree_with_differences(arm, model, tendon, coupled):
+    muscles = HillMuscles(with_muscles(with_tensor_paths(arm, 1e-3) if coupled else arm, model, tendon), 0.0)
     n, n_q = 14, 2
     rng = np.random.default_rng(0)
     q = np.array([0.2, 1.1])
