@@ -73,6 +73,7 @@ def import_limb(
     selection = select(model, only, values)
     program.set_coordinates(values)
     links = make_links(program, selection)
+    frames = _frames(selection, links, tip)
     neutral = {
         name: float(np.clip(known[name].default, lower, upper)) for name, (lower, upper) in selection.limits.items()
     }
@@ -95,7 +96,7 @@ def import_limb(
         tuple(links),
         tuple(muscle for muscle in placed if muscle.name not in idle),
         tuple(crossing),
-        _frames(model, selection, links, tip),
+        frames,
         (*selection.notes, *notes, *(f"left out: {note}" for note in model.notes)),
     )
 
@@ -130,7 +131,6 @@ def _fit(
 
 
 def _frames(
-    model: SourceModel,
     selection: Selection,
     links: Sequence[Link],
     tip: tuple[str, tuple[float, float, float]] | None,
