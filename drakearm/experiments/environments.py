@@ -125,6 +125,7 @@ def make_task_env(task: TrackingTask | Sequence[TrackingTask], render_mode: str 
         reset,
         control_step=CONTROL_STEP,
         episode_steps=episode_steps,
+        max_episode_steps=max(len(one.reference.t) - 1 for one in tasks),
         render_mode=render_mode,
         render=render,
     )

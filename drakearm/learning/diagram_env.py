@@ -1,10 +1,12 @@
 """DiagramEnv: a Gymnasium environment around a Drake Diagram."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 from pydrake.systems.framework import Context, Diagram
 
@@ -29,7 +31,8 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     The values of all other output ports are in `info`, as float64 arrays under the names of the ports. An action is
     held for one control step; observation, reward and info are those at the end of the step. An episode is truncated
     when the simulated time reaches `episode_steps` control steps: a number, or a function of the root context. It is
-    terminated when a system of the Diagram reports EventStatus::ReachedTermination.
+    terminated when a system of the Diagram reports EventStatus::ReachedTermination. max_episode_steps: of the longest
+    episode, for `spec.max_episode_steps`, if episode_steps is a function.
 
     reset: a function that sets the start state in a root context. It draws random numbers only from the generator that
     it is given, so that the seed given to the method `reset` determines the episode. It may also set the time to a
@@ -47,6 +50,7 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         *,
         control_step: float,
         episode_steps: int | Callable[[Context], int],
+        max_episode_steps: int | None = None,
         render_mode: str | None = None,
         render: Callable[[Info], np.ndarray] | None = None,
     ):
@@ -59,6 +63,8 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._reset = reset
         self._control_step = control_step
         self._episode_steps = episode_steps
+        self._max_episode_steps = episode_steps if isinstance(episode_steps, int) else max_episode_steps
+        self._spec: EnvSpec | None = None
         self._simulator = MakeSimulator(diagram)
         if render_mode == "human":
             self._simulator.set_target_realtime_rate(1.0)
@@ -72,6 +78,17 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._steps = 0
         self.action_space = gymnasium.spaces.Box(0.0, 1.0, (self._actions.size(),), np.float32)
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (self._observations.size(),), np.float32)
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """What `gymnasium.make` made this environment from, with the length of its episodes as `max_episode_steps`."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        if spec is not None and spec.max_episode_steps is None:
+            spec = replace(spec, max_episode_steps=self._max_episode_steps)
+        self._spec = spec
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

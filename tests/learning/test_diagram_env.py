@@ -39,6 +39,15 @@ def test_it_is_registered_with_gymnasium():
     assert set(info) == {"arm_state", "tracking_error", "activation"}
 
 
+def test_the_specification_says_how_long_episodes_are(task):
+    env = gymnasium.make("drakearm/Track-v0", scenario="timing-0.7s", reference=task.reference)
+    assert env.spec.max_episode_steps == len(task.reference.t) - 1
+    again = gymnasium.make(env.spec)  # the limit that Gymnasium adds then is that of the episode
+    again.reset(seed=0)
+    truncated = [again.step(np.zeros(14))[3] for _ in range(env.spec.max_episode_steps)]
+    assert not any(truncated[:-1]) and truncated[-1]
+
+
 def test_same_seed_gives_the_same_episode_and_another_seed_another(env):
     def episode(seed):
         rng = np.random.default_rng(1)

@@ -1,7 +1,8 @@
 """Stable-Baselines3's PPO on drakearm's vector environment, with drakearm's default settings, collecting and updating.
 
 Run it with `python sb3_ppo.py`, with drakearm and stable-baselines3 installed. Its networks have the sizes of
-drakearm's. The activation function of its critic is tanh, that of drakearm's is PReLU.
+drakearm's. The activation function of its critic is tanh, that of drakearm's is PReLU. It also prints which share
+of the time `Sb3VecEnv` takes, beside the arms.
 """
 
 import statistics
@@ -14,7 +15,8 @@ import torch
 try:
     from stable_baselines3 import PPO
     from stable_baselines3.common.callbacks import BaseCallback
-    from stable_baselines3.common.vec_env import VecEnv
+
+    from drakearm.learning.sb3 import Sb3VecEnv
 except ImportError:
     sys.exit("not installed: pip install stable-baselines3")
 from rates import is_quick, report
@@ -27,44 +29,28 @@ from drakearm.planning import plan
 BATCHES, QUICK_BATCHES = 8, 3
 
 
-class Sb3VecEnv(VecEnv):
-    """ArmVectorEnv in Stable-Baselines3's form.
+class TimedSteps(Sb3VecEnv):
+    """Sums up the seconds that its steps take, and those of them that the arms take."""
 
-    An environment whose episode ends is reset in the same step; the episode's last observation is in the info.
-    """
+    seconds = arms_seconds = 0.0
 
     def __init__(self, envs: ArmVectorEnv):
-        super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
-        self._envs = envs
+        super().__init__(envs)
+        step = envs.step
 
-    def reset(self) -> np.ndarray:
-        return self._envs.reset(seed=0)[0]
+        def timed(actions: np.ndarray) -> tuple:
+            began = time.perf_counter()
+            result = step(actions)
+            self.arms_seconds += time.perf_counter() - began
+            return result
 
-    def step_async(self, actions: np.ndarray) -> None:
-        self._actions = actions
+        envs.step = timed  # type: ignore[method-assign]
 
-    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict]]:
-        observation, reward, terminated, truncated, info = self._envs.step(self._actions)
-        done = terminated | truncated
-        infos: list[dict] = [{} for _ in done]
-        for i in np.flatnonzero(done):
-            infos[i] = {"terminal_observation": info["final_obs"][i], "TimeLimit.truncated": not terminated[i]}
-        return observation, reward.astype(np.float32), done, infos
-
-    def close(self) -> None:
-        self._envs.close()
-
-    def get_attr(self, attr_name: str, indices=None) -> list:
-        return [getattr(self._envs, attr_name, None)] * self.num_envs
-
-    def set_attr(self, attr_name: str, value, indices=None) -> None:
-        raise NotImplementedError
-
-    def env_method(self, method_name: str, *arguments, indices=None, **keywords) -> list:
-        raise NotImplementedError
-
-    def env_is_wrapped(self, wrapper_class, indices=None) -> list[bool]:
-        return [False] * self.num_envs
+    def step_wait(self) -> tuple:
+        began = time.perf_counter()
+        result = super().step_wait()
+        self.seconds += time.perf_counter() - began
+        return result
 
 
 class BatchTimes(BaseCallback):
@@ -88,9 +74,10 @@ def main() -> None:
     scenario = load_scenario("timing-0.7s")
     task = scenario.task(plan(load_arm(scenario.arm), scenario.movement).reference)
     batch = settings.environments * settings.steps
+    envs = TimedSteps(ArmVectorEnv(task, settings.environments))
     ppo = PPO(
         "MlpPolicy",
-        Sb3VecEnv(ArmVectorEnv(task, settings.environments)),
+        envs,
         learning_rate=lambda left: left * settings.learning_rate,
         n_steps=settings.steps,
         batch_size=batch // settings.minibatches,
@@ -109,7 +96,10 @@ def main() -> None:
         device="cpu",
     )
     watch = BatchTimes()
+    began = time.perf_counter()
     ppo.learn(batches * batch, callback=watch)
+    share = (envs.seconds - envs.arms_seconds) / (time.perf_counter() - began)
+    print(f"Sb3VecEnv takes {100 * share:.1f} % of the time", file=sys.stderr)
     steps = batch / statistics.median(np.diff(watch.times)[1:])  # without the first batch, which warms up
     report(
         "Stable-Baselines3's PPO on ArmVectorEnv",
