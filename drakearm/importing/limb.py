@@ -16,6 +16,7 @@ from drakearm.model.path_fit import PathFit, fit_paths
 from drakearm.model.path_samples import PathSampler
 
 GRIP, TIP = "grip", "tip"  # the frames where loads hang, and whose path is planned and drawn
+_SEARCH = 16  # times 256 samples in search of jumps: faults of OpenSim's wrapping can be narrower than 0.1 degrees
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def _fit(
 
     lower, upper = np.array(list(limits.values())).T
     sampler: PathSampler = lengthened
-    return fit_paths(sampler, names, list(limits), lower, upper, neutral)
+    return fit_paths(sampler, names, list(limits), lower, upper, neutral, search=_SEARCH)
 
 
 def _frames(
