@@ -14,7 +14,7 @@ from drakearm.model import Arm
 from drakearm.model.equilibrium import Equilibrium, find_equilibrium
 from drakearm.model.musculature import RESTING_ACTIVATION, require_state
 from drakearm.model.obstacle import Obstacle, add_obstacle
-from drakearm.model.skeleton import add_skeleton, load_inertia
+from drakearm.model.skeleton import add_skeleton, load_inertia, neutral_posture
 from drakearm.model.skeleton_file import LOAD
 from drakearm.systems.hill_muscles import HillMuscles
 from drakearm.systems.joint_stops import JointStops
@@ -93,7 +93,7 @@ def AddMuscleArm(
     JointStops keep the joints in the ranges of the skeleton file. time_step: s, of the muscles and stops; 0 makes them
     continuous. scene_graph: where the shapes of the skeleton and of the obstacle are registered for drawing. obstacle:
     only drawn, the arm passes through it. The plant is always continuous: simulate with `MakeSimulator`, or with an
-    integrator of your choice.
+    integrator of your choice. Its default joint angles are 0, or as near to 0 as their ranges allow.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(time_step=0.0))
     if scene_graph is not None:
@@ -102,6 +102,7 @@ def AddMuscleArm(
     if scene_graph is not None and obstacle is not None:
         add_obstacle(plant, obstacle)
     plant.Finalize()
+    plant.SetDefaultPositions(neutral_posture(plant))
     if scene_graph is not None:
         builder.Connect(
             plant.get_geometry_pose_output_port(),

@@ -13,7 +13,7 @@ from drakearm.model.dynamics_table import DynamicsTable
 @TemplateSystem.define("CompiledSkeleton_", T_list=[float, AutoDiffXd])
 def CompiledSkeleton_(T):
     class Impl(LeafSystem_[T]):
-        """A chain of revolute joints driven by torques: the equations of a MultibodyPlant, compiled, for planning.
+        """A tree of revolute joints driven by torques: the equations of a MultibodyPlant, compiled, for planning.
 
         .. pydrake_system::
 

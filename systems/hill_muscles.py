@@ -16,6 +16,7 @@ from pydrake.systems.scalar_conversion import TemplateSystem
 
 from drakearm.errors import DerivativeError, StateError
 from drakearm.model import Arm
+from drakearm.model.equilibrium import neutral_state
 from drakearm.model.linearization import linearize_muscles
 from drakearm.model.musculature import (
     LARGEST_STATE,
@@ -77,10 +78,11 @@ def HillMuscles_(T):
 
         The sum of fiber_power and tendon_power is -tendon_force d(mtu_length)/dt.
 
-        Muscles start in equilibrium with the joints by default: if the state of the muscles has not been set when a
-        simulation is initialized, fibers and tendons are brought into equilibrium at arm_state. So it is enough to set
-        the positions of the plant. Without a Simulator, call `SetEquilibrium`. Excitations that are not finite raise
-        StateError, and so does an arm_state of a simulation that diverges.
+        The default state is rest with joint angles of 0, or as near to 0 as their ranges allow. Muscles start in
+        equilibrium with the joints: if their state has not been set when a simulation is initialized, fibers and
+        tendons are brought into equilibrium at arm_state. So it is enough to set the positions of the plant. Without a
+        Simulator, call `SetEquilibrium`. Excitations that are not finite raise StateError, and so does an arm_state of
+        a simulation that diverges.
 
         time_step = 0: activation and fiber length are continuous states, in this order, for any of Drake's integrators
         and for linearization. The system converts to AutoDiffXd, but joint_moment and the last five outputs do not
@@ -99,23 +101,21 @@ def HillMuscles_(T):
             self._muscles = self.DeclareAbstractParameter(AbstractValue.Make(arm.muscle_table))
             n, n_q = len(arm.muscles), len(arm.coordinates)
             self._n, self._n_q = n, n_q
-            fiber_length = arm.muscle_table["optimal_fiber_length"]
-            resting = np.concatenate([np.full(n, RESTING_ACTIVATION), fiber_length, fiber_length, np.zeros(n)])
-            self._default = resting
+            self._default, tau = neutral_state(arm)
 
             self._excitation = self.DeclareVectorInputPort("excitation", n)
             self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)
             joints = {self._arm_state.ticket(), self.all_parameters_ticket()}
             if time_step > 0.0:
-                state = {self.discrete_state_ticket(self.DeclareDiscreteState(resting))}
-                self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(n_q))
+                state = {self.discrete_state_ticket(self.DeclareDiscreteState(self._default))}
+                self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(tau))
                 self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._step)
                 velocity_from = state
             else:
                 # Only this class overrides DoCalcTimeDerivatives. Discrete muscles have no continuous state, but Drake
                 # would call their override at each of its evaluations, which takes time in Python.
                 self.__class__ = Continuous
-                self.DeclareContinuousState(BasicVector_[T](resting[: 2 * n]))
+                self.DeclareContinuousState(BasicVector_[T](self._default[: 2 * n]))
                 state = {self.xc_ticket()}
                 self.DeclareVectorOutputPort("generalized_force", n_q, self._calc_generalized_force, state | joints)
                 velocity_from = state | joints

@@ -32,13 +32,13 @@ def inspect(
     error names the field that is wrong.
     """
     from drakearm.figures import muscle_table, write_arm_picture
-    from drakearm.model import load_arm
     from drakearm.model.inspection import inspect_arm
+    from drakearm.model.loader import load_limb
 
-    loaded = load_arm(arm)
-    file = out or Path(f"{loaded.name}.png")
+    limb = load_limb(arm)
+    file = out or Path(f"{limb.arm.name}.png")
     prepare_new_file(file, "picture", ".png", overwrite)
-    inspection = inspect_arm(loaded)
+    inspection = inspect_arm(*limb)
     write_arm_picture(inspection, file)
     console.print(muscle_table(inspection))
     say(f"open {file} for lengths, moment arms and curves")

@@ -1,5 +1,7 @@
 """A table of an inspected arm's muscles for the terminal."""
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 from rich import box
 from rich.table import Table
@@ -7,6 +9,7 @@ from rich.text import Text
 
 from drakearm.model.inspection import Inspection, Interval, MuscleInspection
 from drakearm.model.musculature import RESTING_ACTIVATION
+from drakearm.model.point_paths import described_posture
 
 _COLUMNS = (
     "muscle",
@@ -65,6 +68,7 @@ def _caption(inspection: Inspection) -> str:
         "isometric force. Fiber: optimal length. Slack: slack length of the tendon. Penn.: pennation at the optimal "
         "fiber length. Mass: of the fibers."
     ]
+    lines += _computed(inspection)
     for inspected in inspection.muscles:
         working = inspected.working
         if working.fiber_length is None:
@@ -76,6 +80,33 @@ def _caption(inspection: Inspection) -> str:
                 f"{1e3 * working.shortest_path:.1f} mm; this happens within {where}."
             )
     return "\n".join(lines)
+
+
+def _computed(inspection: Inspection) -> Iterator[str]:
+    """What is not in the file, but was computed from it."""
+    fits = inspection.fitted
+    if fits:
+        length = max(fits, key=lambda name: fits[name].length_error)
+        moment_arm = max(fits, key=lambda name: fits[name].moment_arm_share)
+        yield (
+            f"{_listed(fits)}: path functions that are fitted to the points, with errors of at most "
+            f"{1e3 * fits[length].length_error:.2g} mm in length ({length}) and "
+            f"{100 * fits[moment_arm].moment_arm_share:.2g}% of the largest moment arm ({moment_arm})."
+        )
+        for name, fit in fits.items():
+            if not fit.is_good:
+                yield f"* {name} has a poor fit: does its path change sides, or begin to touch a surface abruptly?"
+    if inspection.optimal_posture:
+        q = next(iter(inspection.optimal_posture.values()))
+        yield (
+            f"{_listed(inspection.optimal_posture)}: slack lengths with which the fibers are optimal at "
+            f"{described_posture(inspection.arm.coordinates, q)}, because the file gives none."
+        )
+
+
+def _listed(names: Iterable[str]) -> str:
+    first = list(names)
+    return ", ".join(first) if len(first) <= 4 else f"{', '.join(first[:3])} and {len(first) - 3} more"
 
 
 def _degrees(r: Interval) -> str:

@@ -38,7 +38,7 @@ def muscle_roles(arm: Arm) -> list[Role]:
     """
     ranges = joint_ranges(arm).values()
     shares = np.linspace(0.0, 1.0, _SAMPLES)
-    # The moment arm at a joint depends on the angle of this joint alone, so all joints can move at once.
+    # All joints move at once: of most muscles the moment arm at a joint depends on the angle of this joint alone.
     angles = np.column_stack([r.lower + shares * (r.upper - r.lower) for r in ranges])
     arms = np.array([muscle_geometry(q, arm.muscle_table, arm.path_table)[1] for q in angles])
     mean, size = arms.mean(axis=0), np.abs(arms).mean(axis=0)
@@ -46,7 +46,7 @@ def muscle_roles(arm: Arm) -> list[Role]:
 
     found: dict[tuple[tuple[int, int], ...], list[int]] = {}
     for i, muscle in enumerate(arm.muscles):
-        crossed = {term.coordinate for term in muscle.path}
+        crossed = {name for term in muscle.path for name in term.coordinates}
         role = tuple((j, int(pulls[i, j])) for j, name in enumerate(arm.coordinates) if name in crossed)
         found.setdefault(role, []).append(i)
     return [

@@ -26,10 +26,23 @@ def first_problem(error: ValidationError, content: Mapping[str, Any], schema: ty
     problems: dict[tuple[int | str, ...], list[Any]] = {}  # by the place in the content
     for problem in error.errors(include_url=False):
         problems.setdefault(_place(problem, content), []).append(problem)
+    for place in _consequences(problems):
+        del problems[place]
     place, here = next(iter(problems.items()))
     more = len(problems) - 1
     others = f" (and {more} more problem{'s' * (more > 1)})" if more else ""
     return f"{_sentence(place, here, content, schema)}{others}"
+
+
+def _consequences(problems: Mapping[tuple[int | str, ...], list[Any]]) -> list[tuple[int | str, ...]]:
+    """The places of fields that are missing because their names are misspelled: these are named by another problem."""
+    unknown = [place for place, here in problems.items() if here[0]["type"] in _UNKNOWN]
+    missing = [place for place, here in problems.items() if here[0]["type"] == "missing"]
+    return [
+        place
+        for place in missing
+        if any(other[:-1] == place[:-1] and did_you_mean(str(other[-1]), [str(place[-1])]) for other in unknown)
+    ]
 
 
 def _place(problem: Any, content: Any) -> tuple[int | str, ...]:
@@ -52,13 +65,15 @@ def _sentence(place: tuple[int | str, ...], here: list[Any], content: Any, schem
     match problem["type"]:
         case "missing":
             return f"{where}: is missing, but required"
-        case "unexpected_keyword_argument" | "extra_forbidden":
+        case kind if kind in _UNKNOWN:
             known = [name for kind in _kinds_at(schema, place[:-1]) for name in _names(kind)]
             return f"{where}: there is no such field{did_you_mean(str(problem['loc'][-1]), known)}"
         case "value_error" if message.startswith("found "):
             return f"{where or 'the file'}: {message}"
         case "value_error" if _FIELD.match(message):  # a field below this one
             return f"{where}.{message}".removeprefix(".")
+        case "value_error" if ": expected " in message:
+            return f"{where or 'the file'}: {message}"
     expected = " or ".join(dict.fromkeys(_expected(problem) for problem in here))
     return f"{where or 'the file'}: found {shown(problem['input'])}, expected {expected}"
 
@@ -88,6 +103,7 @@ def _expected(problem: Any) -> str:
     return f"a number {message}" if message.startswith(("greater ", "less ")) else message
 
 
+_UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
 _FIELD = re.compile(r"[\w.-]+: ")
 _EXPECTED = {
     "float_type": "a number",

@@ -50,7 +50,7 @@ def read_yaml(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
         content = yaml.load(text, _Loader)  # a SafeLoader
     except yaml.MarkedYAMLError as problem:
         line = f" in line {problem.problem_mark.line + 1}" if problem.problem_mark else ""
-        raise error(f"{shown(file)} is not valid YAML{line}: {problem.problem}.") from problem
+        raise error(f"{shown(file)} is not valid YAML{line}: {_plain(str(problem.problem))}.") from problem
     except RecursionError as problem:
         raise _too_deep(file, error) from problem
     except yaml.YAMLError as problem:
@@ -59,6 +59,14 @@ def read_yaml(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
         raise error(f"{shown(file)} is not valid YAML: found a number with thousands of digits.") from problem
     _check_size(content, file, error, _MOST_VALUES)
     return _checked_mapping(content, file, error)
+
+
+def _plain(problem: str) -> str:
+    """What PyYAML finds wrong, in plain words where its own are those of a grammar."""
+    for pattern, words in _PLAIN.items():
+        if re.match(pattern, problem):
+            return words
+    return problem
 
 
 def read_json(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
@@ -91,6 +99,15 @@ def parse_json(text: str, file: Path, error: type[DrakearmError], *, infinity: b
         raise error(f"{shown(file)} is damaged: it is not valid JSON{found}.") from problem
     _check_size(content, file, error, _LARGEST)
     return content
+
+
+_PLAIN = {
+    "expected <block end>": "the line is not indented like the lines above it",
+    "mapping values are not allowed here": "this line, or the one above, is not indented like the other ones",
+    "could not find expected ':'": "this line, or the one above, has no name with a colon and a space after it",
+    r"found character '\\t'": "found a tab, expected spaces",
+    r"expected ',' or '[\]}]'": "a bracket is not closed, or a comma is missing, here or above",
+}
 
 
 class _Loader(yaml.SafeLoader):

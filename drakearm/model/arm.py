@@ -13,10 +13,12 @@ import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic.dataclasses import dataclass
 
-from drakearm.files.fields import STRICT, Fraction, Number, Positive
+from drakearm.errors import did_you_mean, shown
+from drakearm.files.fields import STRICT, Degrees, Fraction, Number, Positive
 from drakearm.model.fields import Acceleration, Name, Point, each_once
 from drakearm.model.path_terms import AnyTerm, TensorTerm
 from drakearm.model.paths import make_path_table
+from drakearm.model.surface import Surface
 from drakearm.muscle.models import MODEL_CODES, MODELS
 from drakearm.muscle.parameters import MUSCLE_DTYPE
 
@@ -50,23 +52,43 @@ class Muscle:
     max_isometric_force: Annotated[Positive, _within(1e-6, 1e6, " N")]
     optimal_fiber_length: Annotated[Positive, _within(1e-5, 10.0, " m")]
     tendon_slack_length: Annotated[Positive, _within(1e-6, 10.0, " m")]
-    pennation_angle: Annotated[Number, Field(ge=0, lt=1.4)]  # at the optimal fiber length
-    path: tuple[AnyTerm, ...]  # the musculotendon length is the sum of these
-    points: Annotated[tuple[Point, ...], Field(max_length=1000)]  # for drawing only
-    max_contraction_velocity: Annotated[Positive, _within(0.1, 100.0)]  # optimal fiber lengths per second
-    activation_time: Annotated[Positive, _within(1e-3, 10.0, " s")]
-    deactivation_time: Annotated[Positive, _within(1e-3, 10.0, " s")]
-    minimum_activation: Annotated[Number, Field(gt=0, lt=1), _within(1e-4, 0.99)]
-    tendon_strain: Annotated[Positive, _within(1e-3, 1.0)]  # at max_isometric_force
-    passive_strain: Annotated[Positive, _within(0.05, 10.0)]  # at max_isometric_force
-    passive_shape: Annotated[Positive, _within(0.1, 20.0)]
-    active_width: Annotated[Positive, _within(0.05, 10.0)]
-    force_velocity_shape: Annotated[Positive, _within(0.01, 10.0)]
-    eccentric_force: Annotated[Number, Field(gt=1), _within(1.1, 10.0)]  # over isometric force
-    specific_tension: Annotated[Positive, _within(1e3, 1e8, " Pa")]  # determines the muscle's mass
-    slow_twitch_fraction: Fraction  # of the fibers, for the metabolic power
+    pennation_angle: Annotated[Number, _within(0.0, 1.4, " rad")]  # at the optimal fiber length
+    # Attachments and via points. They are for drawing, and `load_arm` makes the path from them if the file has none.
+    points: Annotated[tuple[Point, ...], Field(max_length=1000)]
+    # The arm's surface between each point and the next one, or None: as many as points but one, or none at all.
+    wraps: Annotated[tuple[Name | None, ...], Field(max_length=1000)] = ()
+    path: tuple[AnyTerm, ...] = ()  # the musculotendon length is the sum of these
+    # The curves of young adults of Thelen, "Adjustment of muscle mechanics model parameters to simulate dynamic
+    # contractions in older adults", Journal of Biomechanical Engineering 125:70-77, 2003. They are the defaults of
+    # OpenSim 4's Thelen2003Muscle too.
+    max_contraction_velocity: Annotated[Positive, _within(0.1, 100.0)] = 10.0  # optimal fiber lengths per second
+    minimum_activation: Annotated[Number, Field(gt=0, lt=1), _within(1e-4, 0.99)] = 0.01
+    tendon_strain: Annotated[Positive, _within(1e-3, 1.0)] = 0.04  # at max_isometric_force
+    passive_strain: Annotated[Positive, _within(0.05, 10.0)] = 0.6  # at max_isometric_force
+    passive_shape: Annotated[Positive, _within(0.1, 20.0)] = 5.0
+    active_width: Annotated[Positive, _within(0.05, 10.0)] = 0.45
+    force_velocity_shape: Annotated[Positive, _within(0.01, 10.0)] = 0.25
+    eccentric_force: Annotated[Number, Field(gt=1), _within(1.1, 10.0)] = 1.4  # over isometric force
+    # Millard, Uchida, Seth, Delp, "Flexing computational muscle: modeling and simulation of musculotendon dynamics",
+    # Journal of Biomechanical Engineering 135:021005, 2013.
+    activation_time: Annotated[Positive, _within(1e-3, 10.0, " s")] = 0.01
+    deactivation_time: Annotated[Positive, _within(1e-3, 10.0, " s")] = 0.04
+    # OpenSim's Bhargava2004MuscleMetabolicsProbe.
+    specific_tension: Annotated[Positive, _within(1e3, 1e8, " Pa")] = 0.25e6  # determines the muscle's mass
+    slow_twitch_fraction: Fraction = 0.5  # of the fibers, for the metabolic power
     model: str = "thelen2003"  # one of `drakearm.muscle.models.MODELS`
     tendon: Literal["compliant", "rigid"] = "compliant"
+
+    @field_validator("wraps")
+    @classmethod
+    def _one_for_each_pair(cls, wraps: tuple[str | None, ...], info: ValidationInfo) -> tuple[str | None, ...]:
+        pairs = len(info.data.get("points", ())) - 1
+        if pairs > 0 and wraps and len(wraps) != pairs:
+            raise ValueError(
+                f"found {len(wraps)}, expected {pairs}: for each point but the last the surface between it and the "
+                "next point, or null"
+            )
+        return wraps
 
     @field_validator("path")
     @classmethod
@@ -80,6 +102,12 @@ class Muscle:
         if model not in MODELS:
             raise ValueError(f"expected one of {', '.join(MODELS)}")
         return model
+
+    @model_validator(mode="after")
+    def _has_a_path(self) -> Self:
+        if not self.path and len(self.points) < 2:
+            raise ValueError(f"points: found {len(self.points)}, expected at least 2, or a path")
+        return self
 
     @model_validator(mode="after")
     def _tendon_stretches(self) -> Self:
@@ -147,12 +175,16 @@ class Arm:
 
     name: Name
     skeleton: Path  # absolute
-    gravity: tuple[Acceleration, Acceleration, Acceleration]  # in the world
-    # Joints of the skeleton. The compiled equations of motion of a chain have about 5 times more terms per joint.
+    # Joints of the skeleton. The compiled equations of motion have about 5 times more terms per joint of a chain.
     coordinates: Annotated[tuple[Name, ...], Field(max_length=7), AfterValidator(each_once)]
-    load_frame: Name  # frame of the skeleton where loads hang
     tip_frame: Name  # frame of the skeleton whose path is planned and drawn
     muscles: Annotated[tuple[Muscle, ...], Field(max_length=1000)]
+    load_frame: Name | None = None  # frame of the skeleton where loads hang; None: the tip
+    gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, 0.0, -9.81)  # in the world
+    surfaces: Annotated[tuple[Surface, ...], Field(max_length=1000)] = ()  # over which muscles wrap
+    # Joint angles at which those fibers are optimal whose tendons have no slack length in the file. Empty: the middles
+    # of the ranges.
+    optimal_posture_deg: tuple[Degrees, ...] = ()
     # The arm's surface, which plans keep away from obstacles.
     outline: Annotated[tuple[Capsule, ...], Field(max_length=1000)] = ()
 
@@ -176,6 +208,33 @@ class Arm:
                             f"expected one of the coordinates {', '.join(coordinates)}"
                         )
         return muscles
+
+    @field_validator("optimal_posture_deg")
+    @classmethod
+    def _one_angle_per_coordinate(cls, angles: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
+        names = info.data.get("coordinates", ())
+        if names and angles and len(angles) != len(names):
+            raise ValueError(f"found {len(angles)}, expected {len(names)}: one for each of {', '.join(names)}")
+        return angles
+
+    @field_validator("surfaces")
+    @classmethod
+    def _different(cls, surfaces: tuple[Surface, ...]) -> tuple[Surface, ...]:
+        if surfaces:
+            each_once(tuple(surface.name for surface in surfaces))
+        return surfaces
+
+    @model_validator(mode="after")
+    def _has_the_surfaces(self) -> Self:
+        known = [surface.name for surface in self.surfaces]
+        for muscle in self.muscles:
+            for name in muscle.wraps:
+                if name is not None and name not in known:
+                    raise ValueError(
+                        f"muscles.{muscle.name}.wraps: found {shown(name)}{did_you_mean(name, known)}, expected a name "
+                        f"in surfaces: {', '.join(known) or 'there is none'}"
+                    )
+        return self
 
     @property
     def muscle_names(self) -> tuple[str, ...]:

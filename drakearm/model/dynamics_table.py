@@ -1,6 +1,6 @@
 """The skeleton's equations of motion as a table, derived from a MultibodyPlant and not written a second time.
 
-The mass matrix and the gravity torques of a chain of revolute joints are trigonometric polynomials of degree 2 in each
+The mass matrix and the gravity torques of a tree of revolute joints are trigonometric polynomials of degree 2 in each
 joint angle. Samples of the plant at five angles per joint therefore give their coefficients exactly, loads included.
 """
 
@@ -79,7 +79,7 @@ class DynamicsTable(NamedTuple):
 
 
 def read_dynamics(plant: MultibodyPlant) -> DynamicsTable:
-    """The table of a finalized plant that is a chain of revolute joints. Raises ArmError for any other plant."""
+    """The table of a finalized plant that is a tree of revolute joints. Raises ArmError for any other plant."""
     n_q = plant.num_positions()
     context = plant.CreateDefaultContext()
     mass, gravity = [], []
@@ -176,7 +176,7 @@ def _make_table(
 
 
 def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> None:
-    """Compares with the plant between the sample points, where only a chain of revolute joints agrees."""
+    """Compares with the plant between the sample points, where only a tree of revolute joints agrees."""
     n_q = plant.num_positions()
     q, v = np.full(n_q, 0.7), np.ones(n_q)
     plant.SetPositions(context, q)
@@ -195,7 +195,7 @@ def _check(plant: MultibodyPlant, context: Context, table: DynamicsTable) -> Non
         force[column] -= derivative @ v * v[row]
         force += derivative * v[row] * v[column]
     if not np.allclose(np.linalg.solve(mass, force), expected, rtol=1e-6, atol=1e-6):
-        raise ArmError("The skeleton cannot be compiled: expected a chain of revolute joints.")
+        raise ArmError("The skeleton cannot be compiled: expected a tree of revolute joints.")
 
 
 def _basis(q: np.ndarray) -> np.ndarray:

@@ -6,8 +6,14 @@ import numpy as np
 
 from drakearm.errors import EquilibriumError
 from drakearm.model.arm import Arm
-from drakearm.model.musculature import equilibrium_fiber_lengths, muscle_geometry, require_state
-from drakearm.model.skeleton import gravity_torque
+from drakearm.model.musculature import (
+    RESTING_ACTIVATION,
+    equilibrium_fiber_lengths,
+    muscle_geometry,
+    require_state,
+    resting_state,
+)
+from drakearm.model.skeleton import gravity_torque, neutral_posture, skeleton_plant
 from drakearm.model.static_optimization import static_activations, steady_force
 from drakearm.model.torque_arm import MakeTorqueArm
 from drakearm.muscle.compiled import compiled
@@ -70,6 +76,20 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
     if not np.abs(missing).max() <= _ROUNDING * (force @ np.abs(moment_arm)).max():
         raise _too_weak(arm, q, missing, torque)
     return Equilibrium(q, activation, activation.copy(), fiber_length, force @ moment_arm)
+
+
+def neutral_state(arm: Arm) -> tuple[np.ndarray, np.ndarray]:
+    """The muscles' state (4 n,) at rest in the neutral posture, and the generalized force (n_q,), as `resting_state`.
+
+    If a muscle has no equilibrium there, all fibers are at their optimal lengths, and the force is 0.
+    """
+    try:
+        return resting_state(arm, neutral_posture(skeleton_plant(arm)), RESTING_ACTIVATION)
+    except EquilibriumError:
+        fiber_length = arm.muscle_table["optimal_fiber_length"]
+        still = np.zeros(len(arm.muscles))
+        state = np.concatenate([still + RESTING_ACTIVATION, fiber_length, fiber_length, still])
+        return state, np.zeros(len(arm.coordinates))
 
 
 def _too_weak(arm: Arm, q: np.ndarray, missing: np.ndarray, torque: np.ndarray) -> EquilibriumError:

@@ -1,13 +1,15 @@
 """The numbers by which a biomechanist checks an arm: lengths, moment arms, working ranges and curves of each muscle."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.model.arm import Arm, Muscle
+from drakearm.model.fitted_paths import FittedPath
 from drakearm.model.musculature import RESTING_ACTIVATION, muscle_geometry
-from drakearm.model.skeleton import add_skeleton
+from drakearm.model.skeleton import position_ranges, skeleton_plant
 from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length
 
@@ -85,16 +87,25 @@ class MuscleInspection:
 
 @dataclass(frozen=True)
 class Inspection:
-    """All muscles of an arm. neutral: the angles (rad) of the other joints while one joint moves."""
+    """All muscles of an arm. neutral: the angles (rad) of the other joints while one joint moves.
+
+    fitted, optimal_posture: as in `drakearm.model.limb.Limb`.
+    """
 
     arm: Arm
     ranges: dict[str, Interval]  # rad, of the joints
     neutral: dict[str, float]
     muscles: tuple[MuscleInspection, ...]
+    fitted: Mapping[str, FittedPath]
+    optimal_posture: Mapping[str, np.ndarray]
 
 
-def inspect_arm(arm: Arm) -> Inspection:
-    """Inspects every muscle over the joint ranges of the skeleton.
+def inspect_arm(
+    arm: Arm,
+    fitted: Mapping[str, FittedPath] = MappingProxyType({}),
+    optimal_posture: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> Inspection:
+    """Inspects every muscle over the joint ranges of the skeleton. `inspect_arm(*load_limb(folder))` knows all.
 
     The range of a joint without limits is one full turn, [-pi, pi]. The neutral angle of a joint is 0, or the limit
     that is nearest to 0. Raises ArmError if the skeleton does not have the joints or frames that the arm names.
@@ -106,18 +117,13 @@ def inspect_arm(arm: Arm) -> Inspection:
         MuscleInspection(muscle, crossed, _working_range(m, crossed), _curves(m))
         for muscle, m, crossed in zip(arm.muscles, arm.muscle_table, crossings, strict=True)
     )
-    return Inspection(arm, ranges, neutral, muscles)
+    return Inspection(arm, ranges, neutral, muscles, fitted, optimal_posture)
 
 
 def joint_ranges(arm: Arm) -> dict[str, Interval]:
     """The range (rad) of every coordinate, from the skeleton; [-pi, pi] where it has no limits."""
-    plant = MultibodyPlant(time_step=0.0)
-    add_skeleton(plant, arm)
-    plant.Finalize()
-    lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
-    lower = np.where(np.isfinite(lower), lower, -np.pi)
-    upper = np.where(np.isfinite(upper), upper, np.pi)
-    return {name: Interval(*limits) for name, *limits in zip(arm.coordinates, lower, upper, strict=True)}
+    limits = zip(*position_ranges(skeleton_plant(arm)), strict=True)
+    return {name: Interval(*each) for name, each in zip(arm.coordinates, limits, strict=True)}
 
 
 def _crossings(arm: Arm, ranges: dict[str, Interval], neutral: np.ndarray) -> list[tuple[Crossing, ...]]:

@@ -11,6 +11,8 @@ from drakearm.errors import ArmError, did_you_mean, shown
 from drakearm.files import read_yaml
 from drakearm.files.problems import describe
 from drakearm.model.arm import Arm, Muscle
+from drakearm.model.limb import SLACK_LENGTH_TO_COME, Limb, complete
+from drakearm.model.skeleton_file import moving_joints
 
 _SHIPPED = Path(__file__).parent
 
@@ -27,25 +29,40 @@ def load_arm(arm: str | Path = "arm14") -> Arm:
 
     Raises ArmError, which names file and field, for a missing file, a missing or unknown field, a value out of range, a
     muscle given twice, or a path that depends on a coordinate that the arm does not have. The skeleton file is read by
-    `add_skeleton`; here it only has to exist in the folder.
+    `add_skeleton`; here it only has to exist in the folder, unless muscles.yaml leaves out what follows from it: the
+    coordinates, or the path of a muscle.
     """
-    folder = arm_folder(arm)
-    file = folder / "muscles.yaml"
+    return load_limb(arm).arm
+
+
+def load_limb(arm: str | Path) -> Limb:
+    """Loads an arm as `load_arm` does, and says what has been computed because the file leaves it out."""
+    file = arm_folder(arm) / "muscles.yaml"
     content = read_yaml(file, ArmError)
     defaults = content.pop("defaults", None)
     if not isinstance(defaults, dict | None):
         raise ArmError(f"{shown(file)}: defaults: found {shown(defaults)}, expected fields of a muscle with values.")
     given = content.get("muscles")
     merged = dict(content)
+    without_slack_length: list[Any] = []  # names of muscles
     if "skeleton" in content:
         merged["skeleton"] = _skeleton(file, content["skeleton"])
-    if defaults and isinstance(given, list):
-        merged["muscles"] = [{**defaults, **muscle} if isinstance(muscle, dict) else muscle for muscle in given]
+    if "coordinates" not in content:
+        if "skeleton" not in content:
+            raise ArmError(f"{shown(file)}: skeleton: is missing, but required.")
+        merged["coordinates"] = moving_joints(merged["skeleton"])
+    if isinstance(given, list):
+        merged["muscles"] = [{**(defaults or {}), **muscle} if isinstance(muscle, dict) else muscle for muscle in given]
+        for muscle in merged["muscles"]:
+            if isinstance(muscle, dict) and not {"path", "tendon_slack_length"} & muscle.keys():
+                without_slack_length.append(muscle.get("name"))
+                muscle["tendon_slack_length"] = SLACK_LENGTH_TO_COME
     try:
-        return TypeAdapter(Arm).validate_python(merged)
+        loaded = TypeAdapter(Arm).validate_python(merged)
     except ValidationError as error:
         problems = _in_defaults(error, given, defaults or {})
         raise ArmError(describe(problems, file, {**merged, "defaults": defaults}, _MuscleFile)) from error
+    return complete(loaded, file, without_slack_length)
 
 
 def arm_folder(arm: str | Path) -> Path:
@@ -81,8 +98,8 @@ def _in_defaults(error: ValidationError, muscles: Any, defaults: dict[str, Any])
     problems: dict[Any, Any] = {}
     for problem in error.errors():
         loc = problem["loc"]
-        if loc[0] == "muscles" and len(loc) > 2 and loc[2] in defaults and loc[2] not in muscles[loc[1]]:
+        if loc[:1] == ("muscles",) and len(loc) > 2 and loc[2] in defaults and loc[2] not in muscles[loc[1]]:
             loc = ("defaults", *loc[2:])
         problems.setdefault((loc, problem["type"]), {**problem, "loc": loc})
-    in_order = sorted(problems.values(), key=lambda problem: problem["loc"][0] != "defaults")
+    in_order = sorted(problems.values(), key=lambda problem: problem["loc"][:1] != ("defaults",))
     return ValidationError.from_exception_data(error.title, in_order)

@@ -1,6 +1,6 @@
 """The positions of points of the skeleton, compiled: a table that is derived from a MultibodyPlant, like the dynamics.
 
-The position of a point on a chain of revolute joints is a trigonometric polynomial of degree 1 in each joint angle.
+The position of a point on a tree of revolute joints is a trigonometric polynomial of degree 1 in each joint angle.
 Samples of the plant at three angles per joint therefore give its coefficients exactly.
 """
 
@@ -28,7 +28,7 @@ class PointTable(NamedTuple):
 
 
 def read_points(plant: MultibodyPlant, points: Sequence[tuple[str, Sequence[float]]]) -> PointTable:
-    """The table of points on a finalized plant that is a chain of revolute joints.
+    """The table of points on a finalized plant that is a tree of revolute joints.
 
     points: for each its frame's name and its position in that frame, p_FP, m. Raises ArmError for a plant of another
     kind, and for a frame that the plant does not have.
@@ -45,9 +45,9 @@ def read_points(plant: MultibodyPlant, points: Sequence[tuple[str, Sequence[floa
 
     sampled = np.array([positions(q) for q in sample_points(_DEGREE, n_q)])
     table = PointTable(terms(_DEGREE, n_q), coefficients(sampled, _DEGREE, n_q))
-    between = np.full(n_q, 0.7)  # not a sample point: only a chain of revolute joints agrees here too
+    between = np.full(n_q, 0.7)  # not a sample point: only a tree of revolute joints agrees here too
     if not np.allclose(point_positions(between, table)[0], positions(between), atol=1e-9):
-        raise ArmError("The skeleton cannot be compiled: expected a chain of revolute joints.")
+        raise ArmError("The skeleton cannot be compiled: expected a tree of revolute joints.")
     return table
 
 

@@ -42,11 +42,11 @@ def add_skeleton(
     if not (math.isfinite(load_mass) and load_mass >= 0.0):
         raise ArmError(f"The load is {load_mass} kg: expected a mass that is not negative.")
     check_skeleton(arm)
-    model = parse_skeleton(plant, arm)
+    model = parse_skeleton(plant, arm.skeleton)
     plant.mutable_gravity_field().set_gravity_vector(np.array(arm.gravity))
     if load_mass > 0.0 or variable_load:
         load = plant.AddRigidBody(LOAD, model, load_inertia(load_mass))
-        plant.WeldFrames(plant.GetFrameByName(arm.load_frame, model), load.body_frame())
+        plant.WeldFrames(plant.GetFrameByName(arm.load_frame or arm.tip_frame, model), load.body_frame())
         if _radius(load_mass) > 0.0 and plant.geometry_source_is_registered():
             _draw_dumbbell(plant, load, load_mass)
     return model
@@ -63,6 +63,25 @@ def _draw_dumbbell(plant: MultibodyPlant, load: RigidBody, mass: float) -> None:
         plant.RegisterVisualGeometry(
             load, RigidTransform(along_x, [at, 0.0, 0.0]), Cylinder(of, length), f"{LOAD}_{name}", _LOAD_COLOR
         )
+
+
+def skeleton_plant(arm: Arm) -> MultibodyPlant:
+    """A finalized plant with the skeleton alone. Raises ArmError as `add_skeleton` does."""
+    plant = MultibodyPlant(time_step=0.0)
+    add_skeleton(plant, arm)
+    plant.Finalize()
+    return plant
+
+
+def position_ranges(plant: MultibodyPlant) -> tuple[np.ndarray, np.ndarray]:
+    """The lower and upper limits (n_q,), rad, of the joints of a skeleton; -pi and pi where a joint has none."""
+    lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
+    return np.where(np.isfinite(lower), lower, -np.pi), np.where(np.isfinite(upper), upper, np.pi)
+
+
+def neutral_posture(plant: MultibodyPlant) -> np.ndarray:
+    """The joint angles (n_q,), rad, that are 0, or as near to 0 as the ranges of the joints allow."""
+    return np.clip(0.0, *position_ranges(plant))
 
 
 def inverse_dynamics(plant: MultibodyPlant, context: Context, a: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RevoluteJoint
 
-from drakearm.errors import ArmError, shown
+from drakearm.errors import ArmError, did_you_mean, shown
 from drakearm.files import read_text
 from drakearm.model.arm import Arm
 
@@ -27,7 +27,7 @@ _LIGHTEST, _HEAVIEST = 1e-15, 1e9  # kg m^2: moments of inertia about a joint, f
 _SINGULAR = 1e-9  # least eigenvalue of the mass matrix, scaled so that its diagonal is 1
 
 
-def parse_skeleton(plant: MultibodyPlant, arm: Arm, strict: bool = False) -> ModelInstanceIndex:
+def parse_skeleton(plant: MultibodyPlant, file: Path, strict: bool = False) -> ModelInstanceIndex:
     """Adds the skeleton to a plant. Raises ArmError, in one sentence, where Drake's Parser refuses the file.
 
     strict: whether Drake also refuses what it would ignore or replace with a warning, such as a negative mass.
@@ -36,18 +36,31 @@ def parse_skeleton(plant: MultibodyPlant, arm: Arm, strict: bool = False) -> Mod
     parser.package_map().Remove("drake_models")  # Drake would download it
     if strict:
         parser.SetStrictParsing()
-    with _drakes_reason(arm.skeleton):
-        models = parser.AddModels(str(arm.skeleton))
+    with _drakes_reason(file):
+        models = parser.AddModels(str(file))
     if len(models) != 1:
-        raise ArmError(f"{shown(arm.skeleton)} has {len(models)} models: expected one.")
+        raise ArmError(f"{shown(file)} has {len(models)} models: expected one.")
     return models[0]
+
+
+def moving_joints(file: Path) -> tuple[str, ...]:
+    """The joints of a skeleton that move, in the order of its positions q. Raises ArmError where Drake refuses it."""
+    _require_xml(file)
+    plant, model = _strictly_parsed(file)
+    joints = [plant.get_joint(index) for index in plant.GetJointIndices(model)]
+    with _drakes_reason(file):
+        plant.Finalize()
+    moving = sorted((joint for joint in joints if joint.num_positions() > 0), key=lambda joint: joint.position_start())
+    if not moving:
+        raise ArmError(f"{shown(file)}: there is no joint that moves: expected at least one revolute joint.")
+    return tuple(joint.name() for joint in moving)
 
 
 def check_skeleton(arm: Arm) -> None:
     """Raises ArmError where the skeleton is damaged, lacks what the arm names, or cannot be moved by joint torques."""
     file = arm.skeleton
     _require_xml(file)
-    plant, model = _strictly_parsed(arm)
+    plant, model = _strictly_parsed(file)
     _require_names(plant, arm, model)
     _require_joints(plant, arm, model)
     with _drakes_reason(file):
@@ -56,12 +69,12 @@ def check_skeleton(arm: Arm) -> None:
         _require_inertia(plant, arm)
 
 
-def _strictly_parsed(arm: Arm) -> tuple[MultibodyPlant, ModelInstanceIndex]:
+def _strictly_parsed(file: Path) -> tuple[MultibodyPlant, ModelInstanceIndex]:
     """A plant with the skeleton. What Drake warns about is an error, except for harmless tags."""
     for strict in (True, False):
         plant = MultibodyPlant(time_step=0.0)
         try:
-            return plant, parse_skeleton(plant, arm, strict)
+            return plant, parse_skeleton(plant, file, strict)
         except ArmError as error:
             if not (strict and re.search(_HARMLESS, str(error))):
                 raise
@@ -107,13 +120,17 @@ def _require_xml(file: Path) -> None:
 def _require_names(plant: MultibodyPlant, arm: Arm, model: ModelInstanceIndex) -> None:
     """The skeleton must have every frame and body that the arm names, except for its outline (see `read_points`)."""
     file = shown(arm.skeleton)
-    for frame in (arm.load_frame, arm.tip_frame):
+    for frame in (arm.load_frame or arm.tip_frame, arm.tip_frame):
         if not plant.HasFrameNamed(frame, model):
-            raise ArmError(f"{file}: there is no frame {frame}, which the arm {arm.name} names.")
-    for muscle in arm.muscles:
-        for body, _ in muscle.points:
-            if not plant.HasBodyNamed(body, model):
-                raise ArmError(f"{file}: there is no body {body}, where {muscle.name} is attached.")
+            frames = [plant.get_frame(index).name() for index in plant.GetFrameIndices(model)]
+            hint = did_you_mean(frame, frames)
+            raise ArmError(f"{file}: there is no frame {frame}, which the arm {arm.name} names{hint}.")
+    attached = [(body, f"where {muscle.name} is attached") for muscle in arm.muscles for body, _ in muscle.points]
+    attached += [(surface.body, f"where the surface {surface.name} is") for surface in arm.surfaces]
+    bodies = ["world", *(plant.get_body(index).name() for index in plant.GetBodyIndices(model))]
+    for body, what in attached:
+        if body not in bodies:
+            raise ArmError(f"{file}: there is no body {body}, {what}{did_you_mean(body, bodies)}.")
     if plant.HasBodyNamed(LOAD, model):
         raise ArmError(f"{file} has a body {LOAD}: expected another name, because loads in the hand have it.")
 

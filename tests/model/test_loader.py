@@ -181,7 +181,11 @@ def test_wrong_section_is_refused_in_one_sentence(folder, section, value, expect
         ("tendon_slack_length", 1e-4, "BIClong: found a tendon that stretches by 3.3e-06 m"),
         ("tendon_strain", 1e-9, "BIClong.tendon_strain: found 1e-09, expected 0.001 to 1"),
         ("passive_shape", 800, "BIClong.passive_shape: found 800, expected 0.1 to 20"),
-        ("points", [["hand", [1, 2]]], "BIClong.points.0.1.2: is missing"),
+        (
+            "points",
+            [["hand", [1, 2]]],
+            "BIClong.points.0: found ['hand', [1, 2]], expected a body and a position in it",
+        ),
     ],
 )
 def test_impossible_muscle_is_refused_with_its_name_and_the_reason(folder, name, value, expected):
