@@ -94,6 +94,32 @@ def test_the_arm_and_its_muscles_are_as_recorded(opened, arm, recording, sample)
     assert min(np.abs(np.array(found) - expected).max(axis=1)) < 0.02
 
 
+def test_muscles_are_one_mesh_around_the_pieces_that_move(opened, arm):
+    """Also that few draw calls make a picture: each takes time where no graphics card helps."""
+    seek(opened.page, 0.2)
+    merged, pieces, calls = opened.page.evaluate("""() => {
+        viewer.render();
+        const { Box3 } = MeshCat.THREE, box = new Box3();
+        const at = viewer.scene.getObjectByName("all muscles").geometry.attributes.position;
+        const pieces = viewer.scene_tree.find(["drakearm", "muscles"]).object;
+        const corners = box => [...box.min.toArray(), ...box.max.toArray()];
+        return [corners(box.setFromBufferAttribute(at)), corners(new Box3().setFromObject(pieces, true)),
+            viewer.renderer.info.render.calls];
+    }""")
+    np.testing.assert_allclose(merged, pieces, atol=6e-3)
+    assert calls < 40 < 11 * len(arm.muscles)
+
+
+def test_pixels_are_finer_while_the_arm_stands_still(opened):
+    """So that edges are smooth in pictures and films, and that the arm moves smoothly without a graphics card."""
+    page = opened.page
+    seek(page, 0.15)
+    assert page.evaluate("viewer.renderer.getPixelRatio()") == 2
+    page.keyboard.press("Space")
+    assert page.evaluate("viewer.renderer.getPixelRatio()") == 1
+    page.keyboard.press("Space")
+
+
 def test_keys_and_buttons(opened):
     page = opened.page
     seek(page, 0.1)
