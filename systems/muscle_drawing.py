@@ -110,7 +110,7 @@ class MuscleDrawing:
                 belly = 0 <= j < _BELLY_PIECES
                 ends = _profile(np.array([j, j + 1]) / _BELLY_PIECES) if belly else np.full(2, _TENDON)
                 color = Rgba(*_RAMP[0]) if belly else TENDON_COLOR
-                meshcat.SetObject(f"{piece}/shape/surface", frustum(*ends, _OVERLAP), color)
+                meshcat.SetObject(f"{piece}/shape/surface", frustum(ends[0], ends[1], _OVERLAP), color)
             self._muscles.append(
                 _Drawn(
                     pieces,

@@ -129,8 +129,10 @@ class _Joint:
     def __init__(self, plant: MultibodyPlant, name: str):
         joint = plant.GetJointByName(name)
         self.moved = {int(body) for body in plant.GetBodiesKinematicallyAffectedBy([joint.index()])}
-        limits = np.array([joint.position_lower_limits()[0], joint.position_upper_limits()[0]])
-        self.low, self.high = limits if np.isfinite(limits).all() else (-np.pi, np.pi)
+        low, high = float(joint.position_lower_limits()[0]), float(joint.position_upper_limits()[0])
+        limited = bool(np.isfinite([low, high]).all())
+        self.low = low if limited else -np.pi
+        self.high = high if limited else np.pi
         self._parent, self._child = int(joint.parent_body().index()), int(joint.child_body().index())
         self._R_PF = joint.frame_on_parent().GetFixedPoseInBodyFrame().rotation()
         self._R_CM = joint.frame_on_child().GetFixedPoseInBodyFrame().rotation()
