@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import InMemoryMesh, Mesh
 
-SIDES = 10  # of a cross section
+SIDES = 8  # of a cross section
 _ACROSS = np.array([0.31, 0.52, 0.79])  # a direction in which paths rarely run
 _ANGLE = 2.0 * np.pi * np.arange(SIDES) / SIDES
 _CIRCLE = np.stack([np.cos(_ANGLE), np.sin(_ANGLE), np.zeros(SIDES)], axis=1)

@@ -29,7 +29,18 @@
     };
     animator.play = () => { play.call(animator); set_pixels(1); };
     animator.pause = () => { pause.call(animator); set_pixels(2); };
-    set_pixels(animator.playing ? 1 : 2);
+    viewer.set_3d_pane_size();
+  };
+
+  // Lights that are far away take less time than Meshcat's, which are near.
+  const set_up_lights = () => {
+    for (const near of ["PointLightNegativeX", "PointLightPositiveX"])
+      viewer.set_property(["Lights", near], "visible", false);
+    for (const [name, intensity, ...from] of [["Key", 3.2, -1.5, -1.5, 2], ["Rim", 2.2, 1.5, 1.5, 2]]) {
+      const light = new THREE.DirectionalLight("white", intensity);
+      light.position.set(...from);
+      viewer.set_object(["Lights", name], light);
+    }
   };
 
   const simple = material => {
@@ -121,13 +132,18 @@
     }
   }
 
+  // Nothing is rendered before all is loaded, which would take longer otherwise.
+  const render = viewer.render;
+  viewer.render = () => {};
+  if (!has_graphics_card()) set_up_without_graphics_card();
   commands.then(() => setTimeout(() => {
-    if (!has_graphics_card()) set_up_without_graphics_card();
     viewer.set_property(["Background", "<object>"], "use_ar_background", true); // transparent
+    set_up_lights();
     const muscles = new Muscles(viewer.scene_tree.find(["drakearm", "muscles"]).object);
     viewer.scene.onBeforeRender = () => muscles.update();
     viewer.scene.traverse(shape => {
       if (shape.material?.isMeshPhongMaterial && shape.material.visible) shape.material = simple(shape.material);
     });
+    viewer.render = render;
   }));
 }
