@@ -91,7 +91,7 @@ def make_page(
     }
     overlay = Template(_file("page.html")).substitute(
         style=_file("page.css"),
-        script=_file("page.js"),
+        script=_file("rendering.js") + _file("page.js"),
         caption=caption.html,
         ramp=", ".join(ramp[:: _SHADES // 8]),
         ghost=_css(GHOST_COLOR),
