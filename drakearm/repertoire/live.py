@@ -87,13 +87,14 @@ class Live(LivePage):
 
         say: gets a sentence for each refused target.
         """
+        reach = self._clicked(REACH)  # before the sliders, so that what was set before the press counts
         x, y, duration, load = self._values()
         if load != self._load:
             self._load = load
             self._loop.systems.arm.SetBody(self.context, load, 1.0)
             self._planner = ReachPlanner(self._arm, load)
             self._draw_load(self._arm, load)
-        if self._clicked(REACH):
+        if reach:
             self._reach(x, y, duration, say)
         if self._clicked(DISTURB):
             self._push_end = self.context.get_time() + PUSH_TIME

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drakearm.diagrams import MakeSimulator
+from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import PlanningError
 from drakearm.model import MakeTorqueArm
 from drakearm.model.skeleton import hand_motion
@@ -48,6 +49,7 @@ class LiveReplay(LivePage):
         super().__init__(sliders, (PLAY,), port)
         self._unchanged = self._shown = self._moved = self._asked()
         self._moved_at = time.monotonic()
+        self._clock = 0.0  # s of the movement; the simulation follows in whole time steps
         self._make(planned, driver)
 
     @property
@@ -72,15 +74,18 @@ class LiveReplay(LivePage):
 
         say: gets a sentence for each target or load that is refused.
         """
+        play = self._clicked(PLAY)  # before the sliders, so that what was set before the press counts
         asked, now = self._asked(), time.monotonic()
         if asked != self._moved:
             self._moved, self._moved_at = asked, now
-        if self._clicked(PLAY) or (asked != self._shown and now - self._moved_at > _STILL):
+        if play or (asked != self._shown and now - self._moved_at > _STILL):
             if asked != self._shown:
                 self._change(asked, say)
             self._begin()
         speed = 0.01 * self.meshcat.GetSliderValue(SPEED)
-        self._simulator.AdvanceTo(min(self.time + speed * FRAME, self.end))
+        self._clock = min(self._clock + speed * FRAME, self.end)
+        # Whole time steps, so that the movement is the same at every speed.
+        self._simulator.AdvanceTo(self.end if self._clock == self.end else TIME_STEP * round(self._clock / TIME_STEP))
         return not self._clicked(STOP)
 
     def _asked(self) -> _Asked:
@@ -119,6 +124,7 @@ class LiveReplay(LivePage):
         """Sets the arm to the start of the movement."""
         self._loop.systems.Reset(self._simulator.get_mutable_context())
         self._simulator.Initialize()
+        self._clock = self.time
         self._start_clock()
 
     @staticmethod
