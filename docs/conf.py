@@ -10,7 +10,7 @@ import drakearm  # noqa: E402
 import drakearm.systems  # noqa: E402
 
 project = "drakearm"
-author = "The drakearm developers"
+author = project_copyright = "The drakearm developers"
 version = release = drakearm.__version__
 html_title = f"drakearm {version}"
 
@@ -27,6 +27,7 @@ _SHOWN = {
     "../CONTRIBUTING.md": "contributing.md",
     "../SECURITY.md": "security.md",
     "../drakearm/model/arm14/CREDITS.md": "credits.md",
+    "../drakearm/model/arm26/CREDITS.md": "credits.md",
     "../drakearm/reproduction/hug_mp/CREDITS.md": "credits.md",
 }
 
@@ -45,6 +46,7 @@ nb_execution_mode = "cache"
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_output_stderr = "remove"
 
 # Docstrings: a name in backticks is a link where it names something, else code.
 default_role = "py:obj"
