@@ -23,6 +23,7 @@ highlight_language = "none"
 
 # Where this site shows files that lie elsewhere in the repository, relative to a page of this folder.
 _SHOWN = {
+    "../README.md": "index.md",
     "../CHANGELOG.md": "changelog.md",
     "../CONTRIBUTING.md": "contributing.md",
     "../SECURITY.md": "security.md",
@@ -43,6 +44,7 @@ def setup(app):
 
 # Tutorials run when they have changed. An error in one is an error of the build.
 nb_execution_mode = "cache"
+nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
