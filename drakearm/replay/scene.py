@@ -24,6 +24,7 @@ TARGET_COLOR = Rgba(0.10, 0.65, 0.35, 0.55)
 TARGET_RADIUS = 0.01  # m
 
 _ROOT = "/drakearm"
+_DOT_RADIUS = 0.013  # m, a little more than half of a hand's thickness
 _PATH_RADIUS = 0.002  # m
 _NARROW = 2.0  # degrees, a field of view that shows distances across the view without perspective
 _MARGIN = 1.15  # the distance of the camera over the smallest one that shows the whole arm
@@ -63,6 +64,10 @@ class ReplayScene:
         self._ghost = SkeletonDrawing(self.meshcat, f"{_ROOT}/reference", self._plant, scene_graph, GHOST_COLOR)
         self._muscles = MuscleDrawing(self.meshcat, f"{_ROOT}/muscles", arm, self._plant)
         self._surroundings = _still_meshes(self._plant, scene_graph)
+        tip = self._plant.GetFrameByName(arm.tip_frame)
+        dot = f"{_ROOT}/arm/{tip.body().name()}/tip"  # which point of the hand has the path that is drawn
+        self.meshcat.SetTransform(dot, tip.GetFixedPoseInBodyFrame())
+        self.meshcat.SetObject(dot, Sphere(_DOT_RADIUS), PATH_COLOR)
 
     def draw(self, recording: Recording, i: int, time_in_recording: float | None = None) -> None:
         """Draws sample i. If Meshcat is recording, it stores this frame at time_in_recording (s)."""
