@@ -100,6 +100,15 @@ Batches = Annotated[
 Env = Annotated[
     EnvKind, typer.Option(help="Train on compiled arms, or on Drake Diagrams: the same arm, but slower to simulate.")
 ]
+Device = Annotated[
+    str | None,
+    typer.Option(
+        help="Device of PyTorch, `cpu` or `cuda`. [default: `cuda` where there is a graphics card]",
+        metavar="DEVICE",
+        parser=name_or_path,
+        show_default=False,
+    ),
+]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results of an earlier run.")]
 LearnedPolicy = Annotated[
     Path | None,

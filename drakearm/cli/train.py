@@ -1,5 +1,7 @@
 """`drakearm train`."""
 
+from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -7,7 +9,7 @@ import typer
 from drakearm.cli.console import say
 from drakearm.cli.folders import planned_run_folder, say_removed
 from drakearm.cli.interrupt import delayed_interrupt
-from drakearm.cli.options import Batches, Env, Import, Out, Overwrite, ScenarioArgument, Seed
+from drakearm.cli.options import Batches, Device, Env, Import, Out, Overwrite, ScenarioArgument, Seed, path
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.progress import show_progress
 from drakearm.experiments.choices import EnvKind
@@ -32,6 +34,16 @@ def train(
     meshcat: Annotated[
         bool, typer.Option("--meshcat", help="Show the present policy's movement in a browser while it learns.")
     ] = False,
+    tensorboard: Annotated[
+        Path | None,
+        typer.Option(
+            help="Also write the progress for TensorBoard, into this folder.",
+            metavar="FOLDER",
+            parser=path,
+            show_default=False,
+        ),
+    ] = None,
+    device: Device = None,
     imports: Import = None,
 ) -> None:
     """Learn muscle excitations that follow the plan.
@@ -48,16 +60,24 @@ def train(
         raise typer.BadParameter("found --resume and --overwrite, expected one of them.")
     with planned_run_folder(scenario, out) as run:
         outdated = run.claim("train", overwrite or resume)
-        train_run(run, seed, batches, env, resume, meshcat)
+        train_run(run, seed, batches, env, resume, meshcat, tensorboard, device)
         say_removed([file for file in outdated if not file.exists()])
 
 
 def train_run(
-    run: "RunFolder", seed: int, batches: int | None, env: EnvKind, resume: bool = False, meshcat: bool = False
+    run: "RunFolder",
+    seed: int,
+    batches: int | None,
+    env: EnvKind,
+    resume: bool = False,
+    meshcat: bool = False,
+    tensorboard: Path | None = None,
+    device: str | None = None,
 ) -> None:
     """Trains in a run's folder and shows the progress. Exits with code 130 if Ctrl-C is pressed.
 
     resume: whether to continue an earlier training, if there is one. meshcat: whether to show the movement meanwhile.
+    tensorboard: a folder for its files. device: of PyTorch.
     """
     from drakearm.experiments import train_step
 
@@ -78,7 +98,14 @@ def train_run(
         )
     last: BatchReport | None = None
     try:
-        with delayed_interrupt("after this batch") as interrupt_now, show_progress("training") as show:
+        with ExitStack() as stack:
+            log = None
+            if tensorboard is not None:
+                from drakearm.learning.tensorboard import tensorboard_log
+
+                log = stack.enter_context(tensorboard_log(tensorboard))
+            interrupt_now = stack.enter_context(delayed_interrupt("after this batch"))
+            show = stack.enter_context(show_progress("training"))
 
             def show_round(number: int, rounds: int) -> None:
                 show(f"imitated static optimization, round {number} of {rounds}")
@@ -94,12 +121,21 @@ def train_run(
                     total=report.batches,
                     line=report.batch % LINE_BATCHES == 0 or report.batch == report.batches,
                 )
+                if log is not None:
+                    log(report)
                 if view is not None:
                     view.show(lambda: Policy.load(run.path("policy")))
                 interrupt_now()
 
             train_step(
-                run, seed=seed, batches=batches, env=env, resume=resume, on_round=show_round, on_batch=show_batch
+                run,
+                seed=seed,
+                batches=batches,
+                env=env,
+                resume=resume,
+                device=device,
+                on_round=show_round,
+                on_batch=show_batch,
             )
     except KeyboardInterrupt:
         if last is None:

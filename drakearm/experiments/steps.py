@@ -67,6 +67,7 @@ def train_step(
     batches: int | None = None,
     env: EnvKind = EnvKind.compiled,
     resume: bool = False,
+    device: str | None = None,
     on_round: Callable[[int, int], None] | None = None,
     on_batch: Callable[[BatchReport], None] | None = None,
 ) -> Policy:
@@ -74,10 +75,11 @@ def train_step(
 
     batches: replaces the number in the scenario. resume: whether to continue a training that was stopped, which then
     ends with the same policy as if it had not been. If there is none, the training begins; if it is finished, its
-    policy is returned. Raises RunFolderError if it had another seed, other settings or environments. on_round: called
-    after each round of imitation with its number, from 1, and the number of rounds. on_batch: called after each batch,
-    when the current policy and training.json are already in the run folder. So a training that is interrupted can be
-    evaluated too. Until the first batch is done, the files of an earlier training stay.
+    policy is returned. Raises RunFolderError if it had another seed, other settings or environments. device: of
+    PyTorch, see `train`. on_round: called after each round of imitation with its number, from 1, and the number of
+    rounds. on_batch: called after each batch, when the current policy and training.json are already in the run folder.
+    So a training that is interrupted can be evaluated too. Until the first batch is done, the files of an earlier
+    training stay.
     """
     with run.locked(), run.scratch() as work:
         scenario = run.scenario()
@@ -116,6 +118,7 @@ def train_step(
                 seed=seed,
                 metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
                 prepare=lambda actor: prepare(actor, [task], settings, seed, show_round),
+                device=device,
                 log_path=work / run.path("training_log").name,
                 checkpoint_path=work / run.path("policy").name,
                 resume_path=work / run.path("checkpoint").name,

@@ -4,10 +4,23 @@ For minibatches of a few hundred rows and layers of 64 units, autograd's bookkee
 arithmetic. Without autograd, two networks can also learn in two threads at the same time.
 """
 
+from typing import TypeGuard
+
 import torch
 from torch import Tensor, nn
 
 _ALIGNMENT = 16  # floats: 64 bytes, the alignment of torch's own tensors
+
+
+def is_mlp(network: nn.Module) -> TypeGuard[nn.Sequential]:
+    """Whether `Backprop` can compute a network: linear layers with tanh or one-weight PReLU between them."""
+    if type(network) is not nn.Sequential or len(network) % 2 == 0:
+        return False
+    layers = list(network.children())
+    linear = all(type(layer) is nn.Linear and layer.bias is not None for layer in layers[::2])
+    return linear and all(
+        type(layer) is nn.Tanh or (type(layer) is nn.PReLU and layer.num_parameters == 1) for layer in layers[1::2]
+    )
 
 
 class Backprop:
@@ -23,7 +36,7 @@ class Backprop:
         self._biases = [linear.bias for linear in linears]
         self._transposed = [weight.t() for weight in self._weights]
         self._activations = [layer for layer in layers if not isinstance(layer, nn.Linear)]
-        assert all(isinstance(layer, nn.Tanh | nn.PReLU) for layer in self._activations)
+        assert is_mlp(mlp)
         self._allocate(0)
 
     def _allocate(self, rows: int) -> None:

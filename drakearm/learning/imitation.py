@@ -11,11 +11,11 @@ import numpy as np
 import torch
 
 from drakearm.learning.arm_vector_env import ArmVectorEnv
-from drakearm.learning.backprop import Backprop
 from drakearm.learning.expert import STIFFNESS, StaticExpert
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.learners import Learner
 from drakearm.learning.networks import Actor
+from drakearm.learning.passes import passes
 from drakearm.learning.rehearsal import rehearse
 from drakearm.task import TrackingTask
 
@@ -88,7 +88,7 @@ def _fit(
     actor: Actor, learner: Learner, observations: torch.Tensor, excitations: torch.Tensor, generator: torch.Generator
 ) -> None:
     """Fits the actor's mean to the expert's excitations by least squares: the loss is the mean squared error."""
-    backprop = Backprop(actor.mean)
+    backprop = passes(actor.mean)
     minibatches = max(1, len(observations) // MINIBATCH)
     for epoch in range(EPOCHS):
         learner.set_learning_rate(LEARNING_RATE * (1.0 - 0.9 * epoch / EPOCHS))

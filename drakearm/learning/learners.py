@@ -13,8 +13,9 @@ import torch
 from torch import Tensor, nn
 
 from drakearm.errors import TrainingError
-from drakearm.learning.backprop import Backprop, flat_weights, gradient
+from drakearm.learning.backprop import flat_weights, gradient
 from drakearm.learning.networks import Actor, Critic
+from drakearm.learning.passes import passes
 
 _MOMENTS = ("step", "exp_avg", "exp_avg_sq")  # what Adam remembers
 
@@ -102,7 +103,7 @@ class ActorLearner(Learner):
             d log pi / d mu = z / sigma
             d log pi / d log sigma = z^2 - 1
         """
-        actor, backprop = self._actor, Backprop(self._actor.mean)
+        actor, backprop = self._actor, passes(self._actor.mean)
         log_ratios, objectives = [], []
         for observations, actions, log_probs, advantages in batch.split(
             batch.observations, batch.actions, batch.log_probs, batch.advantages
@@ -146,7 +147,7 @@ class CriticLearner(Learner):
     @torch.no_grad()
     def learn(self, batch: Batch) -> dict[str, float]:
         """Makes one step per minibatch. Returns the mean squared error over all minibatches, without the factor c."""
-        backprop = Backprop(self._critic.value)
+        backprop = passes(self._critic.value)
         errors = []
         for observations, returns in batch.split(batch.observations, batch.returns):
             error = backprop.forward(observations)[:, 0] - returns

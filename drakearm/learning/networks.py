@@ -41,6 +41,9 @@ def _mlp(
 class Actor(nn.Module):
     """A Gaussian over actions. Its mean is a tanh MLP of the observation; its standard deviation does not depend on it.
 
+    mean: a network of your own instead of the MLP: (n, n_obs) to (n, n_act). layers, initial_action and generator are
+    those of the MLP.
+
     initial_action: the mean before training, in the action's unit. It is nearly the same for all observations, because
     the weights of the last layer start small. initial_std: the standard deviation before training, in the same unit.
     learns_std: whether training changes the standard deviation by its gradient. generator: draws the initial weights;
@@ -57,13 +60,14 @@ class Actor(nn.Module):
         initial_std: float = 0.3,
         learns_std: bool = True,
         generator: torch.Generator | None = None,
+        mean: nn.Module | None = None,
     ) -> None:
         super().__init__()
         self.learns_std = learns_std
-        self.layers = tuple(layers)
-        sizes = (n_observations, *layers, n_actions)
-        self.mean = _mlp(sizes, nn.Tanh, 0.01, generator)
-        nn.init.constant_(self.mean[-1].bias, initial_action)  # type: ignore[arg-type]
+        if mean is None:
+            mean = _mlp((n_observations, *layers, n_actions), nn.Tanh, 0.01, generator)
+            nn.init.constant_(mean[-1].bias, initial_action)  # type: ignore[arg-type]
+        self.mean = mean
         self.log_std = nn.Parameter(torch.full((n_actions,), initial_std).log())
 
     def set_std(self, std: float) -> None:
@@ -73,7 +77,8 @@ class Actor(nn.Module):
 
     def forward(self, observations: Tensor) -> Tensor:
         """The mean action, (..., n_act), of `observations`, (..., n_obs)."""
-        return self.mean(observations)
+        result: Tensor = self.mean(observations)
+        return result
 
     def log_prob(self, observations: Tensor, actions: Tensor) -> Tensor:
         """The log-density (...) of `actions` (..., n_act) that are not clipped to the bounds."""
@@ -90,7 +95,10 @@ class Actor(nn.Module):
 
 
 class Critic(nn.Module):
-    """The value of an observation: the expected discounted sum of all later rewards."""
+    """The value of an observation: the expected discounted sum of all later rewards. It is an MLP with PReLU.
+
+    value: a network of your own instead of the MLP: (n, n_obs) to (n, 1).
+    """
 
     def __init__(
         self,
@@ -98,15 +106,15 @@ class Critic(nn.Module):
         layers: Sequence[int] = (64,) * 3,
         *,
         generator: torch.Generator | None = None,
+        value: nn.Module | None = None,
     ) -> None:
         super().__init__()
-        self.layers = tuple(layers)
-        sizes = (n_observations, *layers, 1)
-        self.value = _mlp(sizes, nn.PReLU, 1.0, generator)
+        self.value = _mlp((n_observations, *layers, 1), nn.PReLU, 1.0, generator) if value is None else value
 
     def forward(self, observations: Tensor) -> Tensor:
         """The value (...) of `observations`, (..., n_obs)."""
-        return self.value(observations).squeeze(-1)
+        result: Tensor = self.value(observations).squeeze(-1)
+        return result
 
 
 def policy_of(

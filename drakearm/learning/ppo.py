@@ -24,6 +24,7 @@ from drakearm.learning.batch_report import BatchReport, csv_log
 from drakearm.learning.checkpoint import Checkpoint, Environments, TorchGenerator
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.learners import ActorLearner, Batch, CriticLearner, learn
+from drakearm.learning.module_policy import ModulePolicy, Networks, own_networks
 from drakearm.learning.networks import Actor, Critic, policy_of
 from drakearm.learning.policy import Policy
 from drakearm.learning.ppo_settings import PpoSettings
@@ -39,6 +40,8 @@ def train(
     seed: int,
     metadata: dict[str, Any],
     prepare: Callable[[Actor], InputScaling] | None = None,
+    networks: Networks | None = None,
+    device: str | None = None,
     log_path: Path | None = None,
     checkpoint_path: Path | None = None,
     resume_path: Path | None = None,
@@ -48,6 +51,9 @@ def train(
 
     metadata: is stored in the policy. prepare: returns the scaling of the inputs, and may train the actor before PPO
     does, see `imitate` and `survey`; without it, inputs are not scaled. The policy takes unscaled observations.
+    networks: makes modules of PyTorch from the numbers of observations and actions, the actor's mean and the critic's
+    value; the policy is a `ModulePolicy` then, and the settings' layers are not used. device: of PyTorch, such as "cpu"
+    or "cuda"; by default CUDA where there is any.
     log_path: gets one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after
     every batch. resume_path: gets all that the training needs to continue after every batch. If the file exists
     already, the training continues from it, and ends with the same policy as if it had never stopped. on_batch: called
@@ -61,20 +67,28 @@ def train(
     if not 0 <= seed < 2**32:
         raise TrainingError(f"The seed is {shown(seed)}: expected a whole number from 0 to 2**32 - 1.")
     generator = torch.Generator().manual_seed(seed)
-    actor, critic = _initial_networks(observation_space, action_space, settings, generator)
+    n_observations, n_actions = observation_space.shape[0], action_space.shape[0]
+    if networks is None:
+        actor, critic = _initial_networks(n_observations, n_actions, settings, generator)
+    else:
+        std, learns_std = settings.initial_std, settings.final_std is None
+        actor, critic = own_networks(networks, n_observations, n_actions, seed, std, learns_std)
     inputs = json.loads(json.dumps({"seed": seed, "settings": asdict(settings), "metadata": metadata}))
     earlier = _earlier(resume_path, inputs)
-    scaling = InputScaling.none(observation_space.shape[0])
+    scaling = InputScaling.none(n_observations)
     if prepare and earlier is None:
         scaling = prepare(actor)
     for network in (actor, critic):
-        network.to("cuda" if torch.cuda.is_available() else "cpu")
+        network.to(_device(device))
     actor_learner = ActorLearner(actor, settings.max_grad_norm, settings.clip)
     critic_learner = CriticLearner(critic, settings.max_grad_norm, settings.value_weight)
     collector = Collector(envs, settings.steps, seed, scaling)
 
     def policy() -> Policy:
-        return policy_of(actor, critic, action_space.low, action_space.high, metadata, collector.scaling)
+        bounds = action_space.low, action_space.high
+        if networks is None:
+            return policy_of(actor, critic, *bounds, metadata, collector.scaling)
+        return ModulePolicy(actor, critic, n_observations, *bounds, metadata, collector.scaling)
 
     parts: dict[str, Any] = {"actor": actor_learner, "critic": critic_learner}
     parts |= {"collector": collector, "generator": TorchGenerator(generator)}
@@ -176,12 +190,11 @@ def _experience(
 
 
 def _initial_networks(
-    observation_space: Box, action_space: Box, settings: PpoSettings, generator: torch.Generator
+    n_observations: int, n_actions: int, settings: PpoSettings, generator: torch.Generator
 ) -> tuple[Actor, Critic]:
-    n_observations = observation_space.shape[0]
     actor = Actor(
         n_observations,
-        action_space.shape[0],
+        n_actions,
         settings.actor_layers,
         initial_action=settings.initial_action,
         initial_std=settings.initial_std,
@@ -189,6 +202,18 @@ def _initial_networks(
         generator=generator,
     )
     return actor, Critic(n_observations, settings.critic_layers, generator=generator)
+
+
+def _device(name: str | None) -> torch.device:
+    """The device with this name. Raises TrainingError if there is none."""
+    if name is None:
+        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    try:
+        return torch.empty(0, device=name).device
+    except (RuntimeError, AssertionError) as error:  # PyTorch without CUDA raises an AssertionError
+        raise TrainingError(
+            f"PyTorch has no device {shown(name)}: expected cpu, or cuda with a graphics card."
+        ) from error
 
 
 def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drakearm.errors import TrainingError
-from drakearm.learning.backprop import Backprop
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.networks import Actor
+from drakearm.learning.passes import passes
 
 
 def gae(
@@ -117,7 +117,7 @@ class Collector:
         noise = torch.randn(*shape, len(self._low), generator=generator)
         log_probs = actor.log_density(noise.to(device)).cpu()
         actions = noise.mul_(actor.log_std.exp().cpu())  # the loop below adds the means
-        mean = Backprop(actor.mean).forward  # less overhead than the module's own call, which counts for few rows
+        mean = passes(actor.mean).forward  # less overhead than the module's own call, which counts for few rows
         episode_returns: list[float] = []
         errors: list[NDArray[Any]] = []
 
