@@ -35,6 +35,10 @@ class PathError(ArmError):
     """Muscle paths that cannot become functions of the joint angles."""
 
 
+class ImportingError(DrakearmError):
+    """A model of another program that cannot be imported, or not in the way that was asked for."""
+
+
 class EquilibriumError(DrakearmError):
     """A muscle whose fiber and tendon cannot be in equilibrium, or a posture that the muscles are too weak to hold."""
 

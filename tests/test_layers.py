@@ -13,7 +13,7 @@ LAYERS = [  # lowest first
     {"task"},
     {"systems"},
     {"diagrams"},
-    {"planning", "learning"},
+    {"importing", "planning", "learning"},
     {"figures", "replay"},
     {"experiments"},
     {"reproduction", "repertoire"},

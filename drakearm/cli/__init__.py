@@ -12,7 +12,21 @@ from typing import Annotated
 
 import typer
 
-from drakearm.cli import evaluate, export, inspect, learn, live, move, new_limb, plan, replay, reproduce, run, train
+from drakearm.cli import (
+    evaluate,
+    export,
+    import_limb,
+    inspect,
+    learn,
+    live,
+    move,
+    new_limb,
+    plan,
+    replay,
+    reproduce,
+    run,
+    train,
+)
 from drakearm.cli.console import console, show_error
 from drakearm.cli.list import list_scenarios
 from drakearm.cli.streams import abandon_output, prepare_streams
@@ -38,6 +52,7 @@ app = typer.Typer(
 )
 app.command("list")(list_scenarios)
 app.command("inspect")(inspect.inspect)
+app.command("import")(import_limb.import_limb)
 app.command("plan")(plan.plan)
 app.command("train")(train.train)
 app.command("evaluate")(evaluate.evaluate)

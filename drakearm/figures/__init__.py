@@ -2,6 +2,7 @@
 
 from drakearm.figures.arm_picture import draw_arm, write_arm_picture
 from drakearm.figures.arm_table import muscle_table
+from drakearm.figures.import_table import import_table
 from drakearm.figures.movement_picture import Movement, draw_movement, write_movement_picture
 from drakearm.figures.perturbed_table import perturbed_table
 from drakearm.figures.plan_picture import draw_plan, write_plan_picture
@@ -15,6 +16,7 @@ __all__ = [
     "draw_arm",
     "draw_movement",
     "draw_plan",
+    "import_table",
     "metrics_table",
     "muscle_table",
     "perturbed_table",

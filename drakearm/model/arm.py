@@ -175,7 +175,7 @@ class Arm:
 
     name: Name
     skeleton: Path  # absolute
-    # Joints of the skeleton. The compiled equations of motion have about 5 times more terms per joint, if they form a chain.
+    # Joints of the skeleton. The compiled equations of motion have about 5 times more terms per joint of a chain.
     coordinates: Annotated[tuple[Name, ...], Field(max_length=7), AfterValidator(each_once)]
     tip_frame: Name  # frame of the skeleton whose path is planned and drawn
     muscles: Annotated[tuple[Muscle, ...], Field(max_length=1000)]

@@ -14,14 +14,14 @@ import numpy as np
 
 from drakearm.errors import PathError
 from drakearm.model.path_samples import Jump, PathSampler, find_components, find_jumps, sample_grid
-from drakearm.model.spline_fit import Limits, basis, fit_on_grid
+from drakearm.model.spline_fit import Grid, Limits, basis, fit_on_grid
 
 _TOLERANCE = 2e-5  # m, of moment arms
 _COUPLING = 1e-5  # m: of a moment arm by another coordinate, below which it is ignored
-_SAMPLES = {1: 257, 2: 49, 3: 21}  # per coordinate, by the number of coordinates
-_LIMITS = {1: Limits(67, 1 / 64), 2: Limits(15, 1 / 16), 3: Limits(10, 1 / 8)}
+_SAMPLES = {1: 257, 2: 65, 3: 21}  # per coordinate, by the number of coordinates
+_LIMITS = {1: Limits(67, 1 / 64), 2: Limits(256, 1 / 32), 3: Limits(1000, 1 / 8)}
 _CHECKS = 500  # postures
-_NEAR = 25  # of them, those that set the level of a length
+_NEAR = 25  # of them, those that set the level of a length that jumps
 
 
 class FittedTerm(NamedTuple):
@@ -32,18 +32,12 @@ class FittedTerm(NamedTuple):
     coefficients: np.ndarray  # the first index belongs to the first coordinate
 
     def fields(self) -> dict[str, Any]:
-        """The term as a muscle's `path` in a muscles.yaml has it."""
-        if len(self.coordinates) == 1:
-            return {
-                "coordinate": self.coordinates[0],
-                "knots": self.knots[0].tolist(),
-                "coefficients": self.coefficients.tolist(),
-            }
-        return {
-            "coordinates": list(self.coordinates),
-            "knots": [knots.tolist() for knots in self.knots],
-            "coefficients": self.coefficients.tolist(),
-        }
+        """The term as a muscle's `path` in a muscles.yaml has it, with knots to 1e-8 rad and coefficients to 1e-9 m."""
+        knots = [np.round(knots, 8).tolist() for knots in self.knots]
+        coefficients = np.round(self.coefficients, 9).tolist()
+        if len(knots) == 1:
+            return {"coordinate": self.coordinates[0], "knots": knots[0], "coefficients": coefficients}
+        return {"coordinates": list(self.coordinates), "knots": knots, "coefficients": coefficients}
 
     def evaluate(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (m,) and slopes (m, coordinates) at angles q (m, coordinates) within the knots."""
@@ -96,8 +90,8 @@ def fit_paths(
     center = 0.5 * (lower + upper)
     groups = find_components(sample, lower, upper, _COUPLING)
     members = defaultdict(list)  # group of coordinates -> muscles
-    for i, (muscle, own) in enumerate(zip(muscles, groups, strict=True)):
-        for group in own:
+    for i, (muscle, crossed) in enumerate(zip(muscles, groups, strict=True)):
+        for group in crossed:
             if len(group) > max(_LIMITS):
                 raise PathError(
                     f"The length of {muscle} depends on {', '.join(coordinates[j] for j in group)} together: "
@@ -107,20 +101,20 @@ def fit_paths(
     terms: list[list[FittedTerm]] = [[] for _ in muscles]
     jumps: list[list[Jump]] = [[] for _ in muscles]
     start = np.nan_to_num(sample(center[None])[0][0])
-    for group, chosen in sorted(members.items()):
+    for group, crossing in sorted(members.items()):
         axes = [np.linspace(lower[j], upper[j], _SAMPLES[len(group)]) for j in group]
         grid = sample_grid(sample, center, group, axes)
-        for i in chosen:
+        for i in crossing:
             if not np.isfinite(grid.slopes[:, i]).any():
                 raise PathError(f"The moment arms of {muscles[i]} are not numbers while other joints are mid-range.")
-        found = [find_jumps(sample, center, group, grid, i) for i in chosen]
-        grid = grid._replace(values=grid.values[:, chosen] - start[chosen], slopes=grid.slopes[:, chosen])
-        robust = np.array([bool(f) for f in found])
-        knots, coefficients = fit_on_grid(grid, robust, tolerance, _LIMITS[len(group)])
+            jumps[i] += find_jumps(sample, center, group, grid, i)
         names = tuple(coordinates[j] for j in group)
-        for k, i in enumerate(chosen):
-            terms[i].append(FittedTerm(names, tuple(knots), coefficients[..., k]))
-            jumps[i] += found[k]
+        for chosen in [crossing] if len(group) == 1 else [[i] for i in crossing]:
+            own = Grid(axes, grid.values[:, chosen] - start[chosen], grid.slopes[:, chosen])
+            robust = np.array([any(jump.coordinate in group for jump in jumps[i]) for i in chosen])
+            knots, coefficients = fit_on_grid(own, robust, tolerance, _LIMITS[len(group)])
+            for k, i in enumerate(chosen):
+                terms[i].append(FittedTerm(names, tuple(knots), coefficients[..., k]))
     q = np.random.default_rng(1).uniform(lower, upper, (_CHECKS, len(lower)))
     away = ((q - (center if reference is None else reference)) / (upper - lower)) ** 2
     q = q[np.argsort(away.sum(axis=1), kind="stable")]
@@ -136,7 +130,7 @@ def _checked(
     terms: list[list[FittedTerm]],
     jumps: list[list[Jump]],
 ) -> list[PathFit]:
-    """The fits, with their errors at postures q, and with the lengths right at the first of them."""
+    """The fits, with their errors at postures q, and at the right level there: if a length jumps, at the first."""
     fits = []
     for i, muscle in enumerate(muscles):
         if not np.isfinite(length[:, i]).any():
@@ -147,7 +141,8 @@ def _checked(
             value, slope = term.evaluate(q[:, group])
             fitted += value
             slopes[:, group] += slope
-        level = np.median([x for x in length[:, i] - fitted if np.isfinite(x)][:_NEAR])
+        levels = [x for x in length[:, i] - fitted if np.isfinite(x)]
+        level = np.median(levels[:_NEAR] if jumps[i] else levels)
         if terms[i]:
             terms[i][0] = terms[i][0]._replace(coefficients=terms[i][0].coefficients + level)
         moving = {name for term in terms[i] for name in term.coordinates}

@@ -1,8 +1,8 @@
 """Least-squares fits of tensor-product B-splines to values and slopes on a grid, with knots where they are needed.
 
 The splines are cubic: their slopes are smooth, and a moment arm is a slope. Knots start evenly spaced. Then intervals
-where the slopes fit worst are halved, until all slopes fit or the limit is reached. All columns (the muscles) have the
-same knots, because the compiled paths then look for the interval only once.
+where the slopes fit worst are halved, until all slopes fit or the limit is reached. All columns (the muscles) get the
+same knots: compiled paths look only once for the interval of splines of one coordinate that have the same knots.
 """
 
 from collections.abc import Sequence
@@ -32,10 +32,10 @@ class Grid(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """How fine knots may become, per axis."""
+    """How fine knots may become."""
 
-    coefficients: int
-    smallest: float  # interval, as a fraction of the range
+    coefficients: int  # of one function
+    smallest: float  # interval, as a fraction of the range of its axis
 
 
 def clamped(breaks: np.ndarray) -> np.ndarray:
@@ -140,8 +140,6 @@ def _refine(
     misfit = misfit.reshape(*(len(axis) for axis in axes), len(axes))
     scores = []  # (misfit, axis, interval)
     for axis, (edges, x) in enumerate(zip(breaks, axes, strict=True)):
-        if len(edges) + DEGREE > limits.coefficients:
-            continue
         others = tuple(i for i in range(len(axes)) if i != axis)
         along = misfit[..., axis].max(axis=others) if others else misfit[..., 0]
         interval = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
@@ -151,10 +149,11 @@ def _refine(
     worst = max(scores, default=(0.0, 0, 0))[0]
     if worst <= tolerance:
         return False
-    chosen = sorted((s for s in scores if s[0] > 0.5 * worst and s[0] > tolerance), reverse=True)
-    for axis in range(len(axes)):
-        room = limits.coefficients - (len(breaks[axis]) + DEGREE - 1)
-        halved = [k for _, a, k in chosen if a == axis][: max(room, 0)]
-        middles = [0.5 * (breaks[axis][k] + breaks[axis][k + 1]) for k in halved]
-        breaks[axis] = np.sort(np.concatenate([breaks[axis], middles]))
-    return True
+    middles: list[list[float]] = [[] for _ in axes]
+    for score, axis, k in sorted(scores, reverse=True):
+        counts = [len(edges) + len(new) + DEGREE - 1 for edges, new in zip(breaks, middles, strict=True)]
+        counts[axis] += 1
+        if score > max(0.5 * worst, tolerance) and np.prod(counts) <= limits.coefficients:
+            middles[axis].append(0.5 * (breaks[axis][k] + breaks[axis][k + 1]))
+    breaks[:] = [np.sort([*edges, *new]) for edges, new in zip(breaks, middles, strict=True)]
+    return any(middles)

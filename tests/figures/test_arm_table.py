@@ -7,6 +7,8 @@ from rich.console import Console
 
 from drakearm.figures import muscle_table
 from drakearm.model.inspection import inspect_arm
+from drakearm.model.loader import load_limb
+from tests.limbs import EXTENSOR, FLEXOR, write_limb
 
 
 def printed(table, width=120):
@@ -32,6 +34,15 @@ def test_table_says_where_muscles_have_no_equilibrium(small):
     text = " ".join(printed(muscle_table(inspect_arm(small))).split())
     assert "BIClong has no equilibrium where its path is shorter than 34" in text
     assert "FCU has no equilibrium: its tendon is slack everywhere" in text
+
+
+def test_table_says_what_was_computed_of_the_file(tmp_path):
+    sphere = {"name": "roll", "type": "sphere", "body": "base", "center": [0, 0, 0], "radius": 0.02}
+    limb = load_limb(write_limb(tmp_path, (FLEXOR, {**EXTENSOR, "tendon_slack_length": 0.2}), (sphere,)))
+    text = " ".join(printed(muscle_table(inspect_arm(*limb)), 200).split())
+    assert "flexor, extensor: path functions that are fitted to the points, with errors of at most" in text
+    assert "* extensor has a poor fit" in text and "* flexor has" not in text
+    assert "flexor: slack lengths with which the fibers are optimal at elbow 69°, because the file gives none" in text
 
 
 def test_square_brackets_in_a_name_are_shown(arm):

@@ -11,7 +11,7 @@ from pydrake.systems.primitives import ConstantVectorSource
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
 from drakearm.errors import EquilibriumError, StateError
-from drakearm.model.musculature import equilibrium_fiber_lengths, muscle_geometry
+from drakearm.model.musculature import RESTING_ACTIVATION, equilibrium_fiber_lengths, muscle_geometry
 from drakearm.systems import HillMuscles
 
 N = 14
@@ -103,6 +103,25 @@ def test_an_arm_need_not_have_an_equilibrium_with_its_joints_at_0(arm):
     with pytest.raises(EquilibriumError, match="BIClong"):
         muscles.SetEquilibrium(context, np.array([0.0, 0.0]))
     muscles.SetEquilibrium(context, np.array([-1.5, 0.0]))
+
+
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
+def test_the_default_state_is_rest_in_a_posture_of_the_arms_range(arm, tmp_path, time_step):
+    """A shoulder that turns from 0.3 to 1.5 rad, and an elbow that turns from 0: nearest to 0 are 0.3 and 0."""
+    urdf = arm.skeleton.read_text()
+    assert '<limit lower="-1.57079633" upper="3.14159265"' in urdf
+    (tmp_path / "skeleton.urdf").write_text(
+        urdf.replace('<limit lower="-1.57079633" upper="3.14159265"', '<limit lower="0.3" upper="1.5"')
+    )
+    builder = DiagramBuilder()
+    muscle_arm = AddMuscleArm(builder, replace(arm, skeleton=tmp_path / "skeleton.urdf"), time_step=time_step)
+    builder.ExportInput(muscle_arm.muscles.GetInputPort("excitation"), "excitation")
+    context = builder.Build().CreateDefaultContext()
+    np.testing.assert_allclose(muscle_arm.plant.GetPositions(muscle_arm.plant.GetMyContextFromRoot(context)), [0.3, 0])
+    muscles = muscle_arm.muscles.GetMyContextFromRoot(context)
+    fibers = muscle_arm.muscles.GetOutputPort("fiber_length").Eval(muscles)
+    expected = equilibrium_fiber_lengths(arm, np.array([[0.3, 0.0]]), np.full(N, RESTING_ACTIVATION))[0]
+    np.testing.assert_array_equal(fibers, expected)
 
 
 def test_a_motion_that_diverges_is_an_error(arm, tmp_path):
