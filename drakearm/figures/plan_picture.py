@@ -24,7 +24,6 @@ from drakearm.figures.style import (
     literal_text,
     save_picture,
 )
-from drakearm.planning.feasibility import NEGLIGIBLE
 from drakearm.planning.plan_report import PlanReport
 
 _NEAR = 0.15  # of the height of a panel: limits that are farther away than this are written but not drawn
@@ -83,7 +82,7 @@ def _draw_torques(panel: Axes, report: PlanReport) -> None:
     _title(panel, "joint torques (Nm)", _draw_limits(panel, report, torques, -limit, limit, " Nm"))
     lacks = []
     for j, name in enumerate(feasibility.coordinates):
-        lack = np.where(np.abs(feasibility.reserve[:, j]) > NEGLIGIBLE, feasibility.reserve[:, j], 0.0)
+        lack = np.where(np.abs(feasibility.reserve[:, j]) > feasibility.negligible, feasibility.reserve[:, j], 0.0)
         if lack.any():
             lacks.append(panel.fill_between(feasibility.t, torques[:, j] - lack, torques[:, j]))
             lacks[-1].set(facecolor=(joint_color(j), 0.28), edgecolor=BAD_COLOR, linewidth=0, hatch="////")
@@ -160,7 +159,7 @@ def _draw_activations(panel: Axes, report: PlanReport) -> None:
     """The activations that static optimization finds. A red bar at the top marks the times when they are not enough."""
     feasibility = report.feasibility
     draw_raster(panel, feasibility.t, feasibility.activation, report.arm.muscle_names)
-    lacking = np.abs(feasibility.reserve).max(axis=1) > NEGLIGIBLE
+    lacking = np.abs(feasibility.reserve).max(axis=1) > feasibility.negligible
     title = "activations needed"
     if lacking.any():
         above = panel.get_xaxis_transform()

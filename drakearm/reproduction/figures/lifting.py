@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
-from drakearm.planning.feasibility import NEGLIGIBLE
+from drakearm.model.static_optimization import NEGLIGIBLE
 from drakearm.reproduction.experiment import by_method
 from drakearm.reproduction.figures.panels import (
     FONT,
