@@ -11,6 +11,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
+from drakearm.figures import draw_labelled_lines
 from drakearm.model import load_arm
 
 
@@ -32,15 +33,13 @@ def main(picture: str = "compose_arm.png") -> None:
     muscle_arm.SetState(context, q=np.deg2rad([0.0, 10.0]))
     simulator.AdvanceTo(1.0)
 
-    figure, (angles, forces) = plt.subplots(2, 1, sharex=True, layout="constrained")
+    figure, (angles, forces) = plt.subplots(2, 1, sharex=True, layout="constrained", figsize=(8, 7))
     log = state.FindLog(context)
-    angles.plot(log.sample_times(), np.rad2deg(log.data()[:2].T), label=arm.coordinates)
-    angles.set_ylabel("joint angle (deg)")
+    draw_labelled_lines(angles, log.sample_times(), np.rad2deg(log.data()[:2].T), arm.coordinates)
+    angles.set(ylabel="joint angle (°)")
     log = force.FindLog(context)
-    forces.plot(log.sample_times(), log.data().T, label=arm.muscle_names)
+    draw_labelled_lines(forces, log.sample_times(), log.data().T, arm.muscle_names)
     forces.set(xlabel="time (s)", ylabel="tendon force (N)")
-    for axes in (angles, forces):
-        axes.legend(loc="upper right", ncols=2, fontsize="x-small")
     figure.savefig(picture)
     print(f"final angles {np.rad2deg(state.FindLog(context).data()[:2, -1]).round(1)} deg, plotted in {picture}")
 

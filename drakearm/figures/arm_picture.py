@@ -1,19 +1,43 @@
 """A picture of an inspected arm: one row of small panels per muscle. Angles are in degrees, for people to read."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from drakearm.figures.style import finish_panel, joint_color, literal_text, save_picture
+from drakearm.figures.style import (
+    COLORS,
+    DASHES,
+    DOTS,
+    FAINT_COLOR,
+    HEADING,
+    LINE,
+    NOTE_COLOR,
+    PALE_COLOR,
+    TEXT_COLOR,
+    Look,
+    finish_panel,
+    joint_line,
+    literal_text,
+    save_picture,
+)
 from drakearm.model.inspection import Crossing, Inspection, MuscleInspection
 from drakearm.model.musculature import RESTING_ACTIVATION
 
-_ACTIVE, _PASSIVE, _RESTING, _WORKING = "#000000", "#CC79A7", "#777777", "#F0E442"
+_ACTIVE: Look = {"color": TEXT_COLOR, "linewidth": 1.8}
+_PASSIVE: Look = {"color": COLORS[5], "linewidth": LINE, "linestyle": "--", "label": "passive"}
+_RESTING: Look = {
+    "color": FAINT_COLOR, "linewidth": 1.6, "linestyle": DASHES[2], "label": f"activation {RESTING_ACTIVATION:g}"
+}  # fmt: skip
+_WORKING: Look = {"color": PALE_COLOR, "alpha": 0.45, "linewidth": 0, "label": "working range"}
+_SLACK: Look = {
+    "facecolor": "none", "edgecolor": FAINT_COLOR, "hatch": "///", "linewidth": 0, "label": "no equilibrium"
+}  # fmt: skip
+_BEYOND, _OTHERS = _OF_ANY_JOINT = "beyond the fitted path", "at all angles of the other joints"
 _TITLES = (
     "musculotendon length\n(mm)",
     "moment arm\n(mm, positive raises the angle)",
@@ -31,6 +55,7 @@ _X_LABELS = (
 _LABEL, _PANEL, _GAP, _ROW, _ROW_GAP = 1.75, 2.45, 0.52, 0.98, 0.2  # inches
 _TOP, _TITLE, _BOTTOM, _MARGIN = 2.15, 1.2, 0.65, 0.2
 _FONT = 9.5
+_VISIBLE = 0.1  # °: where joint limits are rounded, they may be beyond the fitted range by less
 
 
 @literal_text
@@ -49,7 +74,7 @@ def draw_arm(inspection: Inspection) -> Figure:
     width = _MARGIN + _LABEL + 5 * (_PANEL + _GAP) + _MARGIN
     height = _TOP + n * (_ROW + _ROW_GAP) + _BOTTOM
     figure = Figure(figsize=(width, height), facecolor="white")
-    colors = {name: joint_color(i) for i, name in enumerate(inspection.ranges)}
+    looks = {name: joint_line(i) for i, name in enumerate(inspection.ranges)}
     panels = []
     for i in range(n):
         bottom = height - _TOP - i * (_ROW + _ROW_GAP) - _ROW
@@ -59,13 +84,13 @@ def draw_arm(inspection: Inspection) -> Figure:
         )
     for muscle, row in zip(inspection.muscles, panels, strict=True):
         _label(row[0], muscle)
-        _draw_lengths(row[0], muscle, colors)
-        _draw_moment_arms(row[1], muscle, colors)
+        _draw_lengths(row[0], muscle, looks)
+        _draw_moment_arms(row[1], muscle, looks)
         _draw_force_length(row[2], muscle)
         _draw_force_velocity(row[3], muscle)
         _draw_tendon(row[4], muscle)
     _share_axes(panels, inspection)
-    _head(figure, panels, inspection, colors)
+    _head(figure, panels, inspection)
     return figure
 
 
@@ -83,49 +108,52 @@ def _label(panel: Axes, inspected: MuscleInspection) -> None:
     panel.text(-inches, 0.74, "\n".join(lines), transform=panel.transAxes, va="top", fontsize=_FONT, linespacing=1.25)
 
 
-def _by_angle(panel: Axes, crossing: Crossing, values: np.ndarray, color: str) -> None:
+def _by_angle(panel: Axes, crossing: Crossing, values: np.ndarray, look: Look) -> None:
     """A line over the joint angle. It is dotted where the path function is its tangent, outside the fitted range."""
     q = np.rad2deg(crossing.q)
-    fitted = (crossing.q >= crossing.fitted.lower) & (crossing.q <= crossing.fitted.upper)
-    panel.plot(q, values, color=color, linewidth=1.1, linestyle=(0, (1, 1.6)))
-    panel.plot(q, np.where(fitted, values, np.nan), color=color, linewidth=2.0)
+    lower, upper = np.rad2deg([crossing.fitted.lower, crossing.fitted.upper])
+    fitted = (q > lower - _VISIBLE) & (q < upper + _VISIBLE)
+    panel.plot(q, np.where(fitted, values, np.nan), linewidth=LINE, label=crossing.coordinate, **look)
+    if not fitted.all():
+        beyond = np.where(fitted, np.nan, values)
+        panel.plot(q, beyond, color=look["color"], linewidth=1.1, linestyle=DOTS, label=_BEYOND)
 
 
-def _draw_lengths(panel: Axes, inspected: MuscleInspection, colors: dict[str, str]) -> None:
+def _draw_lengths(panel: Axes, inspected: MuscleInspection, looks: dict[str, Look]) -> None:
     for c in inspected.crossings:
         if len(inspected.crossings) > 1:
-            q = np.rad2deg(c.q)
+            q, color = np.rad2deg(c.q), looks[c.coordinate]["color"]
             panel.fill_between(
-                q, 1e3 * c.shortest, 1e3 * c.longest, color=colors[c.coordinate], alpha=0.13, linewidth=0
+                q, 1e3 * c.shortest, 1e3 * c.longest, color=color, alpha=0.13, linewidth=0, label=_OTHERS
             )
-        _by_angle(panel, c, 1e3 * c.length, colors[c.coordinate])
+        _by_angle(panel, c, 1e3 * c.length, looks[c.coordinate])
     if inspected.working.slack:
         bottom = panel.get_ylim()[0]
         top = min(1e3 * inspected.working.shortest_path, panel.get_ylim()[1])
-        panel.axhspan(bottom, top, facecolor="none", edgecolor=_RESTING, hatch="///", linewidth=0)
+        panel.axhspan(bottom, top, **_SLACK)
         panel.set_ylim(bottom, None)
 
 
-def _draw_moment_arms(panel: Axes, inspected: MuscleInspection, colors: dict[str, str]) -> None:
-    panel.axhline(0.0, color="black", linewidth=0.8)
+def _draw_moment_arms(panel: Axes, inspected: MuscleInspection, looks: dict[str, Look]) -> None:
+    panel.axhline(0.0, color=TEXT_COLOR, linewidth=0.8)
     for c in inspected.crossings:
-        _by_angle(panel, c, 1e3 * c.moment_arm, colors[c.coordinate])
+        _by_angle(panel, c, 1e3 * c.moment_arm, looks[c.coordinate])
 
 
 def _draw_force_length(panel: Axes, inspected: MuscleInspection) -> None:
     curves, working = inspected.curves, inspected.working.fiber_length
+    panel.plot(curves.fiber_length, curves.active, label="active, full activation", **_ACTIVE)
+    panel.plot(curves.fiber_length, curves.passive, **_PASSIVE)
     if working:
-        panel.axvspan(working.lower, working.upper, color=_WORKING, alpha=0.45, linewidth=0)
-    panel.plot(curves.fiber_length, curves.active, color=_ACTIVE, linewidth=1.8)
-    panel.plot(curves.fiber_length, curves.passive, color=_PASSIVE, linewidth=2.0, linestyle="--")
+        panel.axvspan(working.lower, working.upper, zorder=1, **_WORKING)
     panel.set(xlim=(curves.fiber_length[0], curves.fiber_length[-1]), ylim=(0.0, 1.5))
 
 
 def _draw_force_velocity(panel: Axes, inspected: MuscleInspection) -> None:
     curves = inspected.curves
-    panel.axvline(0.0, color="black", linewidth=0.8)
-    panel.plot(curves.velocity, curves.resting_force, color=_RESTING, linewidth=1.6, linestyle="-.")
-    panel.plot(curves.velocity, curves.force, color=_ACTIVE, linewidth=1.8)
+    panel.axvline(0.0, color=TEXT_COLOR, linewidth=0.8)
+    panel.plot(curves.velocity, curves.force, label="full activation", **_ACTIVE)
+    panel.plot(curves.velocity, curves.resting_force, zorder=1.9, **_RESTING)
 
 
 def _draw_tendon(panel: Axes, inspected: MuscleInspection) -> None:
@@ -134,11 +162,11 @@ def _draw_tendon(panel: Axes, inspected: MuscleInspection) -> None:
         return
     curves, working = inspected.curves, inspected.working.tendon_strain
     if working:
-        panel.axvspan(100 * working.lower, 100 * working.upper, color=_WORKING, alpha=0.45, linewidth=0)
+        panel.axvspan(100 * working.lower, 100 * working.upper, **_WORKING)
         if working.upper > curves.strain[-1]:
             text = f"to {100 * working.upper:.1f} % →"
             panel.text(0.97, 0.08, text, transform=panel.transAxes, ha="right", fontsize=_FONT - 1)
-    panel.plot(100 * curves.strain, curves.tendon, color=_ACTIVE, linewidth=1.8)
+    panel.plot(100 * curves.strain, curves.tendon, **_ACTIVE)
 
 
 def _share_axes(panels: list[list[Axes]], inspection: Inspection) -> None:
@@ -162,53 +190,24 @@ def _share_axes(panels: list[list[Axes]], inspection: Inspection) -> None:
             panel.xaxis.set_major_locator(MultipleLocator(1))
         if j >= 2:
             panel.yaxis.set_major_locator(MultipleLocator(0.5))
-        finish_panel(panel)
-        panel.tick_params(labelsize=_FONT, length=3, labelbottom=i == last)
-        if i == last:
-            panel.set_xlabel(_X_LABELS[j], fontsize=_FONT + 1)
+        finish_panel(panel, x=_X_LABELS[j] if i == last else "", size=_FONT)
+        panel.tick_params(length=3, labelbottom=i == last)
 
 
-def _head(figure: Figure, panels: list[list[Axes]], inspection: Inspection, colors: dict[str, str]) -> None:
+def _head(figure: Figure, panels: list[list[Axes]], inspection: Inspection) -> None:
     """The titles of the columns, with legends, and what holds for the whole picture."""
-    joints = [Line2D([], [], color=color, linewidth=2.0, label=name) for name, color in colors.items()]
-    beyond = Line2D([], [], color="black", linewidth=1.1, linestyle=(0, (1, 1.6)), label="beyond the fitted path")
-    others = Patch(color=_RESTING, alpha=0.3, linewidth=0, label="at all angles of the other joints")
-    slack = Patch(facecolor="none", edgecolor=_RESTING, hatch="///", linewidth=0, label="no equilibrium")
-    working = Patch(color=_WORKING, alpha=0.45, linewidth=0, label="working range")
-    full = Line2D([], [], color=_ACTIVE, linewidth=1.8, label="active, full activation")
-    passive = Line2D([], [], color=_PASSIVE, linewidth=2.0, linestyle="--", label="passive")
-    full_speed = Line2D([], [], color=_ACTIVE, linewidth=1.8, label="full activation")
-    resting = Line2D([], [], color=_RESTING, linewidth=1.6, linestyle="-.", label=f"activation {RESTING_ACTIVATION:g}")
-    some_slack = any(m.working.slack for m in inspection.muscles)
-    several = any(len(m.crossings) > 1 for m in inspection.muscles)
-    keys = (
-        [*joints, *[others] * several, *[slack] * some_slack],
-        [*joints, beyond],
-        [full, passive, working],
-        [full_speed, resting],
-        [working],
-    )
-    for panel, title, handles in zip(panels[0], _TITLES, keys, strict=True):
+    for column, title in zip(zip(*panels, strict=True), _TITLES, strict=True):
         top = 1.0 + _TITLE / _ROW
-        panel.text(
-            0.5, top, title, transform=panel.transAxes, ha="center", va="top", fontsize=_FONT + 1, fontweight="bold"
+        column[0].text(
+            0.5, top, title, transform=column[0].transAxes, ha="center", va="top", fontsize=_FONT + 1, fontweight="bold"
         )
-        panel.legend(
-            handles=handles,
-            loc="upper center",
-            bbox_to_anchor=(0.5, top - 0.38 / _ROW),
-            fontsize=_FONT - 0.5,
-            frameon=False,
-            borderpad=0.1,
-            labelspacing=0.25,
-            handlelength=2.2,
-        )
+        _legend(column, top - 0.38 / _ROW)
     width, height = figure.get_size_inches()
     ranges = ", ".join(
-        f"{name} {np.rad2deg(r.lower):.0f}° to {np.rad2deg(r.upper):.0f}°" for name, r in inspection.ranges.items()
+        f"{name} {np.rad2deg(r.lower):z.0f}° to {np.rad2deg(r.upper):z.0f}°" for name, r in inspection.ranges.items()
     )
-    neutral = ", ".join(f"{name} {np.rad2deg(angle):.0f}°" for name, angle in inspection.neutral.items())
-    figure.text(_MARGIN / width, 1 - 0.18 / height, inspection.arm.name, fontsize=18, fontweight="bold", va="top")
+    neutral = ", ".join(f"{name} {np.rad2deg(angle):z.0f}°" for name, angle in inspection.neutral.items())
+    figure.text(_MARGIN / width, 1 - 0.18 / height, inspection.arm.name, fontsize=HEADING, fontweight="bold", va="top")
     figure.text(
         (_MARGIN + _LABEL + _GAP) / width,
         1 - 0.16 / height,
@@ -219,3 +218,21 @@ def _head(figure: Figure, panels: list[list[Axes]], inspection: Inspection, colo
         va="top",
         linespacing=1.4,
     )
+
+
+def _legend(column: Sequence[Axes], top: float) -> None:
+    """Explains what the panels of a column show, in a legend above the first: each label that they have, once."""
+    shown: dict[str, Artist] = {}
+    for panel in column:
+        for artist, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            shown.setdefault(label, artist)
+    if not shown:
+        return
+    labels = sorted(shown, key=lambda label: label in _OF_ANY_JOINT)  # the joints first
+    legend = column[0].legend(
+        [shown[label] for label in labels], labels, loc="upper center", bbox_to_anchor=(0.5, top),
+        fontsize=_FONT - 0.5, frameon=False, borderpad=0.1, labelspacing=0.25, handlelength=2.6,
+    )  # fmt: skip
+    for handle, label in zip(legend.legend_handles, labels, strict=True):
+        if handle and label in _OF_ANY_JOINT:
+            handle.set(color=NOTE_COLOR, alpha=shown[label].get_alpha())

@@ -45,7 +45,7 @@ def muscle_table(inspection: Inspection) -> Table:
 
 def _row(inspected: MuscleInspection) -> tuple[str, ...]:
     m, working = inspected.muscle, inspected.working
-    works = _range(working.fiber_length, ".2f") if working.fiber_length else "none"
+    works = _range(working.fiber_length, "z.2f") if working.fiber_length else "none"
     return (
         m.name,
         m.model,
@@ -55,7 +55,7 @@ def _row(inspected: MuscleInspection) -> tuple[str, ...]:
         f"{1e3 * m.tendon_slack_length:.4g}",
         f"{np.rad2deg(m.pennation_angle):.1f}",
         f"{1e3 * m.mass:.0f}",
-        "\n".join(f"{c.coordinate} {_range(c.moment_arm_range, '.0f', 1e3)}" for c in inspected.crossings),
+        "\n".join(f"{c.coordinate} {_range(c.moment_arm_range, 'z.0f', 1e3)}" for c in inspected.crossings),
         works + ("*" if working.slack else ""),
     )
 
@@ -110,7 +110,7 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def _degrees(r: Interval) -> str:
-    return _range(Interval(np.rad2deg(r.lower), np.rad2deg(r.upper)), ".0f") + "°"
+    return _range(Interval(np.rad2deg(r.lower), np.rad2deg(r.upper)), "z.0f") + "°"
 
 
 def _range(r: Interval, form: str, scale: float = 1.0) -> str:

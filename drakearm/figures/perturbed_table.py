@@ -15,7 +15,7 @@ def perturbed_table(metrics: Mapping[str, Any], joints: Sequence[str]) -> Table:
     means, ends = np.array(runs["tracking_error_mean"]), np.array(runs["end_error"])
 
     def per_joint(values: np.ndarray) -> str:
-        return ", ".join(f"{joint} {value:.4f}" for joint, value in zip(joints, values, strict=True))
+        return ", ".join(f"{joint} {value:z.4f}" for joint, value in zip(joints, values, strict=True))
 
     perturbations = [
         ", ".join(f"{name} {value}" for name, value in one.items() if name != "type")

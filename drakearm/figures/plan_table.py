@@ -18,13 +18,14 @@ _COLUMNS = ("scenario", "status", "s", "iter.", "angle\n°", "torque\nNm", "clea
 def plan_facts(report: PlanReport) -> Table:
     """How a plan was found, what it costs, how close it comes to its limits and whether the muscles can do it."""
     plan, found = report.plan, report.plan.verification
-    costs = ", ".join(f"{name} {value:#.4g}" for name, value in plan.costs.items())
+    costs = ", ".join(f"{name} {value:z#.4g}" for name, value in plan.costs.items())
     facts = {
-        "solver": f"{plan.solver}: {plan.status}, {plan.iterations} iterations, {plan.seconds:.2f} s",
+        "solver": f"{plan.solver}: {plan.status}, {plan.iterations} iterations, "
+        f"{plan.seconds:.2f} s without compilation",
         "movement": f"{plan.t[-1]:.2f} s, {len(plan.t)} knots",
-        "costs": f"{costs}; sum {sum(plan.costs.values()):#.4g}",
-        "margins": f"angle {_degrees(found.angle_margin)}°, speed {found.speed_margin:.3g} rad/s, "
-        f"torque {found.torque_margin:.3g} Nm",
+        "costs": f"{costs}; sum {sum(plan.costs.values()):z#.4g}",
+        "margins": f"angle {_degrees(found.angle_margin)}°, speed {found.speed_margin:z.2f} rad/s, "
+        f"torque {found.torque_margin:z.2f} Nm",
     }
     if found.clearance is not None:
         facts["clearance"] = f"{_clearance(report)} cm, of the {found.nearest_part} at {found.nearest_time:.2f} s"
@@ -54,9 +55,9 @@ def plans_table(results: Mapping[str, PlanReport | DrakearmError]) -> Table:
 
 
 _CAPTION = (
-    "iter.: iterations of the solver. Angle, torque: the smallest margin of any joint to its limit. Clear.: the "
-    "smallest distance to the obstacle. Margins and distances are also checked between the knots. Muscles: the largest "
-    "activation, or the torque that they lack."
+    "s: seconds of planning, without the compilation of functions. iter.: iterations of the solver. Angle, torque: the "
+    "smallest margin of any joint to its limit. Clear.: the smallest distance to the obstacle. Margins and distances "
+    "are also checked between the knots. Muscles: the largest activation, or the torque that they lack."
 )
 
 
@@ -68,19 +69,19 @@ def _row(name: str, report: PlanReport) -> tuple[str, ...]:
         f"{plan.seconds:.2f}",
         f"{plan.iterations}",
         _degrees(found.angle_margin),
-        f"{found.torque_margin:.1f}",
+        f"{found.torque_margin:z.1f}",
         _clearance(report),
         _ability(report.feasibility),
     )
 
 
 def _degrees(angle: float) -> str:
-    return f"{np.rad2deg(angle) + 0.0:.1f}"
+    return f"{np.rad2deg(angle):z.1f}"
 
 
 def _clearance(report: PlanReport) -> str:
     clearance = report.plan.verification.clearance
-    return "" if clearance is None else f"{100 * clearance:.2f}"
+    return "" if clearance is None else f"{100 * clearance:z.2f}"
 
 
 def _ability(feasibility: Feasibility) -> str:

@@ -27,7 +27,7 @@ def metrics_table(metrics: Mapping[str, Any], plan: Mapping[str, Any]) -> Table:
     table = Table(
         title=Text(f"{metrics['scenario']}, seed {metrics['seed']}"),
         caption=Text(
-            f"planned: {plan['solver']}: {plan['status']}, {plan['seconds']:.2f} s\n"
+            f"planned: {plan['solver']}: {plan['status']}, {plan['seconds']:.2f} s without compilation\n"
             f"trained: {steps} steps, {steps / seconds:.0f} steps/s, {seconds:.0f} s"
         ),
         caption_justify="left",
@@ -55,4 +55,4 @@ def _quantities(metrics: Mapping[str, Any]) -> Iterator[tuple[str, float, Sequen
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}"
+    return f"{value:z.3g}"

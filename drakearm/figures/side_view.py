@@ -35,6 +35,11 @@ class SideView:
         up /= np.linalg.norm(up)
         return np.array([np.cross(up, toward), up])
 
+    @property
+    def labels(self) -> tuple[str, str]:
+        """What the axes of the picture show: axes of the world, or directions if the picture is not along them."""
+        return _axis_label(self._axes[0], "to the right (m)"), _axis_label(self._axes[1], "up (m)")
+
     def project(self, point: np.ndarray) -> np.ndarray:
         """A point (3,) of the world in the picture (2,)."""
         return self._axes @ point
@@ -57,6 +62,13 @@ class SideView:
             )
 
         return [(place(part.ends[0]), place(part.ends[1]), part.radius) for part in self._arm.outline]
+
+
+def _axis_label(direction: np.ndarray, otherwise: str) -> str:
+    along = int(np.abs(direction).argmax())
+    if not np.isclose(abs(direction[along]), 1.0):
+        return otherwise
+    return f"{'-' if direction[along] < 0.0 else ''}{'xyz'[along]} (m)"
 
 
 def capsule_edge(a: np.ndarray, b: np.ndarray, radius: float) -> np.ndarray:

@@ -12,27 +12,13 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.errors import ArmError, shown
 from drakearm.model.arm import Arm, Muscle
+from drakearm.model.body_poses import Poses, body_poses
 from drakearm.model.fields import Point
 from drakearm.model.surface import Surface
 from drakearm.model.wrapping import path_over_cylinder, path_over_sphere, turn_on_side
 
 _ROUNDING = 1e-9  # over the radius: by how much a point may be inside of a surface
 _UNDECIDED = 1e-6  # rad: how close to the axis of a cylinder a line leaves its side open
-
-
-class _Poses(NamedTuple):
-    """Poses of a body in the world, at N postures."""
-
-    rotation: np.ndarray  # (N, 3, 3)
-    position: np.ndarray  # (N, 3), m
-
-    def place(self, p_BP: np.ndarray) -> np.ndarray:
-        """The positions p_WP (N, 3) of a point of the body."""
-        return self.rotation @ p_BP + self.position
-
-    def locate(self, p_WP: np.ndarray) -> np.ndarray:
-        """The positions p_BP (N, 3) of points p_WP (N, 3) in the body."""
-        return np.einsum("nji,nj->ni", self.rotation, p_WP - self.position)
 
 
 class PointPaths:
@@ -43,7 +29,7 @@ class PointPaths:
 
     def __init__(self, plant: MultibodyPlant, arm: Arm, muscles: Sequence[Muscle], neutral: np.ndarray, file: Path):
         """plant: finalized, with the skeleton. neutral (n_q,): rad, decides the side of cylinders. file: for errors."""
-        self._plant, self._context = plant, plant.CreateDefaultContext()
+        self._plant = plant
         self._arm, self._muscles, self._file = arm, muscles, file
         surfaces = {surface.name: surface for surface in arm.surfaces}
         self._pairs = [
@@ -55,9 +41,8 @@ class PointPaths:
             ]
             for m in muscles
         ]
-        bodies = {body for pairs in self._pairs for pair in pairs for body in pair.bodies}
-        self._bodies = {name: plant.GetBodyByName(name) for name in sorted(bodies)}
-        poses = self._poses(neutral[None, :])
+        self._bodies = {body for pairs in self._pairs for pair in pairs for body in pair.bodies}
+        poses = body_poses(plant, self._bodies, neutral[None, :])
         self._turns = {
             (muscle.name, pair.number): self._turn(muscle, pair, poses)
             for muscle, pairs in zip(muscles, self._pairs, strict=True)
@@ -67,24 +52,14 @@ class PointPaths:
 
     def __call__(self, q: np.ndarray) -> np.ndarray:
         """The lengths (N, n), m, of the n muscles at joint angles q (N, n_q), rad."""
-        poses = self._poses(q)
+        poses = body_poses(self._plant, self._bodies, q)
         lengths = np.zeros((len(q), len(self._muscles)))
         for i, (muscle, pairs) in enumerate(zip(self._muscles, self._pairs, strict=True)):
             for pair in pairs:
                 lengths[:, i] += self._length(muscle, pair, poses, q)
         return lengths
 
-    def _poses(self, q: np.ndarray) -> dict[str, _Poses]:
-        poses = {name: _Poses(np.empty((len(q), 3, 3)), np.empty((len(q), 3))) for name in self._bodies}
-        for k, angles in enumerate(q):
-            self._plant.SetPositions(self._context, angles)
-            for name, body in self._bodies.items():
-                pose = self._plant.EvalBodyPoseInWorld(self._context, body)
-                poses[name].rotation[k] = pose.rotation().matrix()
-                poses[name].position[k] = pose.translation()
-        return poses
-
-    def _length(self, muscle: Muscle, pair: "_Pair", poses: dict[str, _Poses], q: np.ndarray) -> np.ndarray:
+    def _length(self, muscle: Muscle, pair: "_Pair", poses: dict[str, Poses], q: np.ndarray) -> np.ndarray:
         start, end = (poses[body].place(np.array(p)) for body, p in (pair.start, pair.end))
         if pair.surface is None:
             return np.linalg.norm(end - start, axis=1)
@@ -109,7 +84,7 @@ class PointPaths:
                     f"inside of the {surface.type} {surface.name} at {where}: expected a point outside of it."
                 )
 
-    def _turn(self, muscle: Muscle, pair: "_Pair", poses: dict[str, _Poses]) -> float:
+    def _turn(self, muscle: Muscle, pair: "_Pair", poses: dict[str, Poses]) -> float:
         surface = pair.surface
         assert surface is not None
         (start,), (end,) = pair.seen_from_surface(poses)
@@ -140,7 +115,7 @@ class _Pair(NamedTuple):
     def bodies(self) -> set[str]:
         return {self.start[0], self.end[0]} | ({self.surface.body} if self.surface else set())
 
-    def seen_from_surface(self, poses: dict[str, _Poses]) -> tuple[np.ndarray, np.ndarray]:
+    def seen_from_surface(self, poses: dict[str, Poses]) -> tuple[np.ndarray, np.ndarray]:
         """The two points, (N, 3) each, in the frame of the surface."""
         surface = self.surface
         assert surface is not None

@@ -13,6 +13,7 @@ from drakearm.model import Arm
 from drakearm.model.motion import Motion
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import CONTROL_STEP
+from drakearm.muscle.compile_time import without_compilation
 from drakearm.planning.collocation import solve
 from drakearm.planning.movement import Movement, in_degrees
 from drakearm.planning.planning_model import PlanningModel
@@ -43,19 +44,19 @@ def plan(
     ahead, from the state that the arm has reached (see `RecedingHorizon`). The plan is then the movement that the
     simulated arm made, and its knots are the control steps.
     """
-    began = time.perf_counter()
-    model = PlanningModel(arm, load_mass, obstacle)
-    check_request(model, movement)
-    if horizon is not None:
-        found = _plan_receding(model, movement, load_mass, horizon)
-    elif isinstance(movement.duration, tuple):
-        found = _best_duration(model, movement)
-    else:
-        found = _plan(model, movement)
-    problem = found.reference.problem()
-    if problem:
-        raise PlanningError(f"The solver's plan is no movement of an arm: {problem}.")
-    return replace(found, seconds=time.perf_counter() - began)
+    with without_compilation() as elapsed:
+        model = PlanningModel(arm, load_mass, obstacle)
+        check_request(model, movement)
+        if horizon is not None:
+            found = _plan_receding(model, movement, load_mass, horizon)
+        elif isinstance(movement.duration, tuple):
+            found = _best_duration(model, movement)
+        else:
+            found = _plan(model, movement)
+        problem = found.reference.problem()
+        if problem:
+            raise PlanningError(f"The solver's plan is no movement of an arm: {problem}.")
+        return replace(found, seconds=elapsed())
 
 
 def _plan(model: PlanningModel, movement: Movement) -> Plan:

@@ -19,7 +19,7 @@ class Plan:
     solver: str
     status: str
     iterations: int  # of the solver; for SNOPT the number of evaluations of the problem
-    seconds: float  # that planning took in all
+    seconds: float  # that planning took in all, without the compilation of functions
     costs: dict[str, float]  # contribution of each type of cost
     verification: Verification
     t: np.ndarray  # (N,) s

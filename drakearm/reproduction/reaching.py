@@ -96,7 +96,7 @@ class Reaching(Experiment):
         "The hand reaches from the middle to each of eight targets that are 10 cm away. Each movement has a policy of "
         "its own, which runs 10 times with noise. A speed profile is cut at 5 % of its peak. It is compared with the "
         "straight movement of least jerk (Flash and Hogan 1985) and with seven people. What one person reaches against "
-        "the others is the ceiling. The hand paths are those of the first seed."
+        "the others is the ceiling. The paths of the hand are those of the first seed."
     )
 
     def trials(self, seeds: int) -> list[Trial]:

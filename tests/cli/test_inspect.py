@@ -6,6 +6,7 @@ import yaml
 from matplotlib.image import imread
 
 from tests.cli.command import drakearm
+from tests.limbs import write_fork
 
 
 def inspect(*arguments, code=0):
@@ -47,3 +48,9 @@ def test_unknown_arm_lists_the_known_ones():
 
 def test_a_close_name_of_an_arm_is_suggested():
     assert "did you mean arm14?" in inspect("arm-14", code=1)
+
+
+def test_a_tree_with_a_muscle_over_two_joints_together(tmp_path):
+    picture = tmp_path / "fork.png"
+    assert "long" in inspect(write_fork(tmp_path / "fork"), "--out", picture)
+    assert imread(picture).ndim == 3

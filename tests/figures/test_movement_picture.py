@@ -12,6 +12,7 @@ from drakearm.experiments.success import JointError
 from drakearm.figures import Movement, draw_movement, write_movement_picture
 from drakearm.model import MakeTorqueArm, Obstacle
 from drakearm.model.skeleton import hand_motion
+from tests.figures.layout import assert_axes_have_units, assert_legends_cover_nothing
 
 CRITERIA = [JointError(of="mean", below=0.1)]
 
@@ -46,6 +47,14 @@ def test_the_goal_of_the_hand_is_the_end_of_the_reference(movement, task):
     (circle,) = panel(draw_movement(movement), "path of the hand").patches
     goal, _ = hand_motion(MakeTorqueArm(task.arm), task.arm, task.reference.q[-1:], task.reference.v[-1:])
     assert circle.center == pytest.approx(goal[0, :2])
+
+
+def test_axes_have_units_and_legends_cover_nothing(movement, task):
+    barred = replace(task, obstacle=Obstacle(position=(0.33, 0.25, 0.17), radius=0.03))
+    for one in (movement, movement._replace(task=barred)):
+        figure = draw_movement(one)
+        assert_axes_have_units(figure)
+        assert_legends_cover_nothing(figure)
 
 
 def test_what_is_missed_is_said_at_the_top(movement):

@@ -1,4 +1,4 @@
-"""Figures 7 and 8: how far each weight is lifted, the muscle load, and the activation of every muscle."""
+"""Figures 7 and 8: how far each load is lifted, the muscle load, and the activation of every muscle."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -7,35 +7,38 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MultipleLocator
 
+from drakearm.figures.muscle_roles import ROLES
+from drakearm.figures.raster import activation_bar, draw_raster, label_roles
+from drakearm.figures.style import DEVIATION, LOAD, NOTE_COLOR, TIME, Look
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
 from drakearm.model.static_optimization import NEGLIGIBLE
 from drakearm.reproduction.experiment import by_method
 from drakearm.reproduction.figures.panels import (
+    BAND,
     FONT,
     PAPER,
-    REFERENCE_COLOR,
-    Look,
+    REFERENCE,
     draw_band,
     label_panel,
     legend_below,
     method_keys,
     method_line,
     method_marker,
+    reference_key,
 )
 from drakearm.reproduction.hand import desired_path
 from drakearm.reproduction.lifting import LOADS, WEIGHTINGS, extensor_load, flexor_load
-from drakearm.reproduction.muscle_load import muscle_groups
+from drakearm.reproduction.muscle_load import THRESHOLD
 from drakearm.reproduction.trial import Method, Outcome
 
 Movements = Mapping[str, Sequence[Outcome]]
-_DARK = "#333333"
-_ELBOW: Look = {"facecolor": _DARK, "edgecolor": _DARK}
-_SHOULDER: Look = {"facecolor": "white", "edgecolor": _DARK, "hatch": "////"}
+_ELBOW: Look = {"facecolor": NOTE_COLOR, "edgecolor": NOTE_COLOR}
+_SHOULDER: Look = {"facecolor": "white", "edgecolor": NOTE_COLOR, "hatch": "////"}
 _SATURATED = 80  # %, muscle load of the flexors with 10 kg and more, in the paper
 
 
@@ -57,11 +60,8 @@ def draw_lifting(movements: Movements) -> Figure:
         top = rows[0][0].get_position().y1 + 0.028
         figure.text(0.012, top, weighting.label, fontsize=FONT + 2, fontweight="bold")
     methods = _methods(movements)
-    keys: list[Artist] = [
-        *method_keys(methods),
-        Line2D([], [], color=REFERENCE_COLOR, linewidth=1.2, label="reference"),
-    ]
-    keys.append(Patch(color="#777777", alpha=0.3, linewidth=0, label="± 1 standard deviation, with noise"))
+    keys: list[Artist] = [*method_keys(methods), reference_key()]
+    keys.append(Patch(label=f"{DEVIATION}, with noise", **BAND))
     legend_below(figure, keys, columns=3)
     return figure
 
@@ -70,7 +70,7 @@ def _draw_load(panels: Sequence[Axes], outcomes: Sequence[Outcome], load: int) -
     first = load == LOADS[0]
     labels = ("hand above\nits start (cm)", "elbow (°)", "shoulder (°)")
     for panel, label in zip(panels, labels, strict=True):
-        title, x = (f"{load} kg" if panel is panels[0] else ""), ("time (s)" if panel is panels[2] else "")
+        title, x = (f"{load} kg" if panel is panels[0] else ""), (TIME if panel is panels[2] else "")
         label_panel(panel, title, x, label if first else "")
     for method, some in by_method(outcomes).items():
         joints = some[0].task.arm.coordinates
@@ -83,10 +83,10 @@ def _draw_load(panels: Sequence[Axes], outcomes: Sequence[Outcome], load: int) -
         task = outcomes[0].task
         run = outcomes[0].noise_free
         height = 100 * _up(task.arm, desired_path(task))
-        panels[0].plot(run.t, height - height[0], color=REFERENCE_COLOR, linewidth=1.2)
+        panels[0].plot(run.t, height - height[0], **REFERENCE)
         for panel, joint in zip(panels[1:], ("elbow", "shoulder"), strict=True):
             reference = np.rad2deg(run.reference_q[:, task.arm.coordinates.index(joint)])
-            panel.plot(run.t, reference, color=REFERENCE_COLOR, linewidth=1.2)
+            panel.plot(run.t, reference, **REFERENCE)
 
 
 def _height(outcome: Outcome, run: Recording) -> np.ndarray:
@@ -101,7 +101,7 @@ def _up(arm: Arm, p: np.ndarray) -> np.ndarray:
 
 
 def draw_muscle_load(movements: Movements) -> Figure:
-    """The muscle load of flexors and extensors against the weight, for both weightings, above the lacking torque."""
+    """The muscle load of flexors and extensors against the load, for both weightings, above the lacking torque."""
     figure = Figure(figsize=(9.0, 6.6), facecolor="white")
     grid = figure.add_gridspec(2, 2, left=0.085, right=0.985, top=0.945, bottom=0.19, height_ratios=[2, 1])
     grid.update(hspace=0.32, wspace=0.12)
@@ -112,9 +112,9 @@ def draw_muscle_load(movements: Movements) -> Figure:
         label_panel(panel, weighting.label, "", "" if k else "muscle load (% of the time)")
         below = figure.add_subplot(grid[1, k], sharex=panel)
         _draw_lacking(below, found)
-        label_panel(below, "", "weight in the hand (kg)", "" if k else "lacking torque (Nm)")
+        label_panel(below, "", LOAD, "" if k else "lacking torque (Nm)")
     methods = _methods(movements)
-    dot: Look = {"color": _DARK, "marker": "o", "markersize": 5, "linestyle": ""}
+    dot: Look = {"color": NOTE_COLOR, "marker": "o", "markersize": 5, "linestyle": ""}
     kinds: list[Artist] = [
         Line2D([], [], label="flexors", **dot),
         Line2D([], [], label="extensors", markerfacecolor="white", **dot),
@@ -134,7 +134,7 @@ def _draw_loads(panel: Axes, found: Mapping[int, Sequence[Outcome]]) -> None:
             values = [[100 * measure(o, run) for o in at[load] for run in o.noisy] for load in loads]
             x = np.array(loads) + 0.18 * (i - 1)  # so that markers do not hide each other
             panel.plot(x, [np.mean(v) for v in values], linewidth=1.4, **method_line(method))
-            look: Look = method_marker(method) | {"linestyle": "", "markersize": 5, "capsize": 2, "elinewidth": 0.8}
+            look: Look = method_marker(method) | {"markersize": 5, "capsize": 2, "elinewidth": 0.8}
             panel.errorbar(x, [np.mean(v) for v in values], [np.std(v) for v in values], **look, **face)
 
     draw(flexor_load)
@@ -156,47 +156,27 @@ def _draw_lacking(panel: Axes, found: Mapping[int, Sequence[Outcome]]) -> None:
 def draw_activations(movements: Movements) -> Figure:
     """The activation of all muscles over time: the mean over the noisy runs of the last method that there is."""
     method = _methods(movements)[-1]
-    figure = Figure(figsize=(10.0, 6.4), facecolor="white")
-    grid = figure.add_gridspec(2, 5, left=0.1, right=0.91, top=0.885, bottom=0.08, hspace=0.32, wspace=0.1)
-    image = None
+    figure = Figure(figsize=(11.0, 6.6), facecolor="white")
+    grid = figure.add_gridspec(2, 5, left=0.09, right=0.8, top=0.885, bottom=0.1, hspace=0.32, wspace=0.1)
     for row, weighting in enumerate(WEIGHTINGS):
         for k, load in enumerate(LOADS):
             panel = figure.add_subplot(grid[row, k])
             outcomes = by_method(movements.get(weighting.scenario(load), [])).get(method, [])
             if outcomes:
-                image = _draw_raster(panel, outcomes)
+                arm, runs = outcomes[0].task.arm, [run for outcome in outcomes for run in outcome.noisy]
+                image = draw_raster(panel, runs[0].t, np.mean([run.activation for run in runs], axis=0), arm)
+                if k == len(LOADS) - 1:
+                    label_roles(panel, arm)
             panel.set_title(f"{load} kg", loc="left", fontsize=FONT + 1, fontweight="bold")
-            panel.tick_params(labelsize=FONT - 1, labelleft=k == 0, labelbottom=row == 1)
-            panel.set_xlabel("time (s)" if row else "", fontsize=FONT)
+            panel.xaxis.set_major_locator(MultipleLocator(0.5))
+            panel.tick_params(labelleft=k == 0, labelbottom=row == 1)
+            panel.set_xlabel(TIME if row else "", fontsize=FONT)
         top = grid[row, 0].get_position(figure).y1 + 0.045
         figure.text(0.012, top, f"{method}, {weighting.label}", fontsize=FONT + 2, fontweight="bold")
-    if image is not None:
-        bar = figure.colorbar(image, cax=figure.add_axes((0.925, 0.08, 0.015, 0.805)))
-        bar.set_label("activation", fontsize=FONT)
-        bar.ax.axhline(0.8, color="white", linewidth=1.5)
-        bar.ax.tick_params(labelsize=FONT)
+    bar = activation_bar(figure, image, (0.915, 0.1, 0.013, 0.785))
+    bar.axhline(THRESHOLD, color="white", linewidth=1.5)
+    figure.text(0.09, 0.012, f"{ROLES}. White line: {THRESHOLD:g}, the threshold of the muscle load.", fontsize=FONT)
     return figure
-
-
-def _draw_raster(panel: Axes, outcomes: Sequence[Outcome]) -> AxesImage:
-    """One line per muscle: the flexors of the elbow above, the extensors below the white line."""
-    task = outcomes[0].task
-    groups = muscle_groups(task.arm, task.arm.coordinates.index("elbow"), task.reference.q)
-    order = np.concatenate([groups.flexors, groups.extensors])
-    activation = np.mean([run.activation[:, order] for outcome in outcomes for run in outcome.noisy], axis=0)
-    end = outcomes[0].noisy[0].t[-1]
-    image = panel.imshow(
-        activation.T,
-        aspect="auto",
-        interpolation="nearest",
-        cmap="cividis",
-        vmin=0.0,
-        vmax=1.0,
-        extent=(0.0, end, len(order) - 0.5, -0.5),
-    )
-    panel.axhline(len(groups.flexors) - 0.5, color="white", linewidth=2.0)
-    panel.set_yticks(range(len(order)), [task.arm.muscle_names[i] for i in order])
-    return image
 
 
 def _methods(movements: Mapping[Any, Sequence[Outcome]]) -> list[Method]:

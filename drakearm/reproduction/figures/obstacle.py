@@ -12,17 +12,29 @@ from matplotlib.patches import Circle, Patch
 
 from drakearm.figures import SideView
 from drakearm.figures.side_view import capsule_edge
-from drakearm.figures.style import COLORS
+from drakearm.figures.style import (
+    ANGLE,
+    ARM_COLOR,
+    CLEARANCE,
+    COLORS,
+    DASHES,
+    FAINT_COLOR,
+    NEAREST,
+    OBSTACLE,
+    OBSTACLE_NAME,
+    TEXT_COLOR,
+    TIME,
+    Look,
+)
 from drakearm.reproduction.experiment import by_method, by_scenario
-from drakearm.reproduction.figures.panels import REFERENCE_COLOR, Look, label_panel, legend_below, method_line
+from drakearm.reproduction.figures.panels import REFERENCE, label_panel, legend_below, method_line, reference_key
 from drakearm.reproduction.trial import Outcome
 
 if TYPE_CHECKING:
     from drakearm.reproduction.obstacle import Bar
 
-_BAR: Look = {"facecolor": "#BBBBBB", "edgecolor": "#333333", "hatch": "////"}
-_WITHOUT: Look = {"color": COLORS[4], "linestyle": (0, (3, 1.2))}  # the movement that does not know of the bar
-_NEAREST = COLORS[3]  # the outline of the arm where it is nearest to the bar
+_WITHOUT: Look = {"color": COLORS[4], "linestyle": DASHES[3]}  # the movement that does not know of the bar
+_CONTACT: Look = {"facecolor": FAINT_COLOR, "alpha": 0.3, "linewidth": 0}  # no clearance
 _POSTURES = 6  # arms that are drawn
 
 
@@ -42,19 +54,19 @@ def draw_obstacle(outcomes: Sequence[Outcome], bar: "Bar") -> Figure:
             for j, joint in enumerate(("elbow", "shoulder")):
                 _draw_joint(rows[1][k], outcome, joint, look[avoids], width=1.0 - 0.4 * j)
             _draw_clearance(rows[2][k], outcome, bar, look[avoids])
-        y = ("up (m)", "angle (°)", "clearance (cm)") if k == 0 else ("", "", "")
-        label_panel(rows[0][k], str(method), "forward (m)", y[0])
-        label_panel(rows[1][k], "elbow (upper), shoulder (lower)", "time (s)", y[1])
-        label_panel(rows[2][k], "distance of the arm from the bar", "time (s)", y[2])
+        y = ("y (m)", ANGLE, CLEARANCE) if k == 0 else ("", "", "")
+        label_panel(rows[0][k], str(method), "x (m)", y[0])
+        label_panel(rows[1][k], "elbow (upper), shoulder (lower)", TIME, y[1])
+        label_panel(rows[2][k], "clearance", TIME, y[2])
     keys: list[Artist] = [
-        Line2D([], [], label=f"{method}, round the bar", **method_line(method) | {"linestyle": "-"})
+        Line2D([], [], label=f"{method}, round the obstacle", **method_line(method) | {"linestyle": "-"})
         for method in methods
     ]
     keys += [
-        Line2D([], [], label="without the bar", **_WITHOUT),
-        Line2D([], [], color=REFERENCE_COLOR, linewidth=0.9, label="reference"),
-        Patch(label="the bar", **_BAR),
-        Patch(label="the arm nearest to it", color=_NEAREST, alpha=0.4, linewidth=0),
+        Line2D([], [], label="without the obstacle", **_WITHOUT),
+        reference_key(),
+        Patch(label=OBSTACLE_NAME, **OBSTACLE),
+        Patch(label="arm when it is nearest to it", **NEAREST),
     ]
     legend_below(figure, keys, columns=4)
     return figure
@@ -65,14 +77,14 @@ def _draw_side(panel: Axes, outcome: Outcome, bar: "Bar", avoids: bool, look: Lo
     view = SideView(outcome.task.arm, bar.obstacle)
     if avoids:
         center = view.project(np.array(bar.obstacle.position))
-        panel.add_patch(Circle(tuple(center), bar.obstacle.radius, zorder=2, **_BAR))
+        panel.add_patch(Circle(tuple(center), bar.obstacle.radius, zorder=2, **OBSTACLE))
         run = outcome.noise_free
         for k in np.linspace(0, len(run.t) - 1, _POSTURES).round().astype(int):
-            panel.plot(*view.stick(run.q[k]).T, "-o", color="#999999", linewidth=1.2, markersize=2, zorder=1)
+            panel.plot(*view.stick(run.q[k]).T, "-o", color=ARM_COLOR, alpha=0.5, linewidth=1.2, markersize=2, zorder=1)
         t, distances = bar.clearance(run)
         nearest = run.q[np.abs(run.t - t[distances.min(axis=1).argmin()]).argmin()]
         for part in view.outline(nearest):
-            panel.fill(*capsule_edge(*part).T, color=_NEAREST, alpha=0.4, linewidth=0, zorder=1.5)
+            panel.fill(*capsule_edge(*part).T, zorder=1.5, **NEAREST)
     for run in outcome.noisy:
         path = np.array([view.project(point) for point in run.p_WH])
         panel.plot(*path.T, linewidth=0.9, zorder=3, **look)
@@ -84,7 +96,7 @@ def _draw_joint(panel: Axes, outcome: Outcome, joint: str, look: Look, width: fl
     for run in outcome.noisy:
         panel.plot(run.t, np.rad2deg(run.q[:, j]), linewidth=width, **look)
     reference = outcome.task.reference
-    panel.plot(reference.t, np.rad2deg(reference.q[:, j]), color=REFERENCE_COLOR, linewidth=0.9)
+    panel.plot(reference.t, np.rad2deg(reference.q[:, j]), **REFERENCE | {"linewidth": 0.9})
 
 
 def _draw_clearance(panel: Axes, outcome: Outcome, bar: "Bar", look: Look) -> None:
@@ -92,7 +104,7 @@ def _draw_clearance(panel: Axes, outcome: Outcome, bar: "Bar", look: Look) -> No
     for run in outcome.noisy:
         t, distances = bar.clearance(run)
         panel.plot(t[::5], 100 * distances.min(axis=1)[::5], linewidth=0.9, **look)
-    panel.axhline(0.0, color="black", linewidth=1.0)
+    panel.axhline(0.0, color=TEXT_COLOR, linewidth=1.0)
     low, high = panel.get_ylim()
-    panel.axhspan(min(low, -1.0), 0.0, zorder=0, linewidth=0, facecolor="#BBBBBB", alpha=0.35)
+    panel.axhspan(min(low, -1.0), 0.0, zorder=0, **_CONTACT)
     panel.set_ylim(min(low, -1.0), high)

@@ -11,15 +11,18 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 from scipy.stats import t as student
 
+from drakearm.figures.style import TIME
 from drakearm.reproduction.experiment import by_method, by_seed, end_error
 from drakearm.reproduction.figures.panels import (
+    BAND,
     PAPER,
-    REFERENCE_COLOR,
+    REFERENCE,
     label_panel,
     legend_below,
     method_keys,
     method_line,
     method_marker,
+    reference_key,
 )
 from drakearm.reproduction.timing import LEARNED
 from drakearm.reproduction.trial import Method, Outcome
@@ -38,17 +41,16 @@ def draw_timing(movements: Mapping[str, Sequence[Outcome]]) -> Figure:
         joints = outcomes[0].task.arm.coordinates
         for i, joint in enumerate(("elbow", "shoulder")):
             _draw_joint(rows[i, k], outcomes, joints.index(joint))
-            label_panel(rows[i, k], name if i == 0 else "", "time (s)", "" if k else f"{joint} (°)")
+            label_panel(rows[i, k], name if i == 0 else "", TIME, "" if k else f"{joint} (°)")
         _draw_end_errors(rows[2, k], outcomes)
         label_panel(rows[2, k], "", "perturbed runs, sorted (%)", "" if k else "error at the end (rad)")
     _share_limits(rows)
     methods = list(by_method([outcome for some in movements.values() for outcome in some]))
-    reference = Line2D([], [], color=REFERENCE_COLOR, linewidth=1.2, label="reference")
     perturbed = Line2D(
         [], [], color=method_line(methods[-1])["color"], linewidth=0.6, label=f"perturbed, {methods[-1]}"
     )
     paper = Line2D([], [], label="0.1 rad (the paper: 44 of 48 below)", **PAPER)
-    legend_below(figure, [*method_keys(methods), reference, perturbed, paper], columns=3)
+    legend_below(figure, [*method_keys(methods), reference_key(), perturbed, paper], columns=3)
     return figure
 
 
@@ -60,7 +62,7 @@ def _draw_joint(panel: Axes, outcomes: Sequence[Outcome], joint: int) -> None:
         color = method_line(last.trial.method)["color"]
         panel.plot(run.t, np.rad2deg(run.q[:, joint]), color=color, linewidth=0.5, alpha=0.5)
     reference = last.task.reference
-    panel.plot(reference.t, np.rad2deg(reference.q[:, joint]), color=REFERENCE_COLOR, linewidth=1.2)
+    panel.plot(reference.t, np.rad2deg(reference.q[:, joint]), **REFERENCE)
     for method, outcome in firsts.items():
         run = outcome.noise_free
         panel.plot(run.t, np.rad2deg(run.q[:, joint]), linewidth=1.5, **method_line(method))
@@ -72,7 +74,7 @@ def _draw_end_errors(panel: Axes, outcomes: Sequence[Outcome]) -> None:
     for method, some in by_method(outcomes).items():
         errors = np.sort([end_error(run) for outcome in some for run in outcome.perturbed])
         at = 100 * (np.arange(len(errors)) + 0.5) / max(len(errors), 1)
-        panel.plot(at, errors, linestyle="", markersize=3.5, markerfacecolor="none", **method_marker(method))
+        panel.plot(at, errors, markersize=3.5, markerfacecolor="none", **method_marker(method))
         shown += list(errors)
     panel.axhline(LEARNED, **PAPER)
     panel.set(xlim=(0, 100), xticks=(0, 50, 100), ylim=(0.8 * min(shown), 1.5 * max(shown)))
@@ -113,7 +115,7 @@ def draw_learning(movements: Mapping[str, Sequence[Outcome]]) -> Figure:
     keys: list[Artist] = [*method_keys(list(methods))]
     if seeds >= _FEWEST:
         text = f"{_CONFIDENCE:.0%} confidence of the mean of {seeds} trainings"
-        keys.append(Patch(color="#777777", alpha=0.3, linewidth=0, label=text))
+        keys.append(Patch(label=text, **BAND))
     keys.append(Line2D([], [], label="the paper: below 0.1 rad after about 150 of 200 batches", **PAPER))
     legend_below(figure, keys, columns=2)
     return figure
@@ -131,4 +133,4 @@ def _draw_curve(panel: Axes, method: Method, seeds: Sequence[Outcome]) -> None:
         quantile = student.ppf(0.5 + 0.5 * _CONFIDENCE, len(errors) - 1)
         half = quantile * errors.std(axis=0, ddof=1) / np.sqrt(len(errors))
         band = np.exp(mean - half), np.exp(mean + half)
-        panel.fill_between(batch, *band, color=method_line(method)["color"], alpha=0.25, linewidth=0)
+        panel.fill_between(batch, *band, **BAND | {"color": method_line(method)["color"]})
