@@ -24,7 +24,7 @@ SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-cpus fuzz faults lint bench pictures clean
+.PHONY: demo test test-cpus fuzz faults lint docs bench pictures clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
@@ -60,9 +60,14 @@ lint: $(LINKED) ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/codespell *.md docs drakearm systems diagrams examples
+
+docs: $(LINKED) ## the documentation as a site, docs/_build/index.html; every warning is an error
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet -b html $(SPHINXOPTS) docs docs/_build
+	$(BIN)/python docs/check_links.py docs/_build
 
 clean: ## removes everything that make created, except runs/
-	rm -rf $(VENV) build *.egg-info
+	rm -rf $(VENV) build docs/_build *.egg-info
 
 $(BIN)/pip:
 	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("drakearm needs Python 3.11 or newer")'

@@ -20,6 +20,7 @@ from drakearm.experiments.catalog import find_scenario
 from drakearm.experiments.choices import Preset
 from drakearm.experiments.provenance import KEY, Provenance, content_fingerprint, fingerprint, folder_files
 from drakearm.experiments.scenario import Scenario, load_scenario
+from drakearm.files.formats import FORMAT, NEWEST
 from drakearm.files.lock import locked
 from drakearm.files.reading import read_json, read_yaml
 from drakearm.files.together import recover, replaced_together
@@ -256,7 +257,7 @@ class NewFiles:
         files = {_file_name(name): fingerprint(self.path(name)) for name in others}
         files[_file_name(step.record)] = content_fingerprint(content)
         provenance = asdict(Provenance(made_from=self.made_from(), files=files))
-        text = json.dumps({**content, KEY: provenance}, indent=2, allow_nan=False)
+        text = json.dumps({FORMAT: NEWEST, **content, KEY: provenance}, indent=2, allow_nan=False)
         self.path(step.record).write_text(text + "\n", encoding="utf-8")
 
 

@@ -1,12 +1,13 @@
 """The policies that drakearm ships, one per shipped scenario, and how a run gets one without training."""
 
-import json
 import shutil
 from pathlib import Path
 
+from drakearm.errors import RunFolderError
 from drakearm.experiments.catalog import POLICIES, find_scenario, scenario_files
 from drakearm.experiments.run_folder import STEPS, RunFolder
 from drakearm.experiments.steps import plan_step
+from drakearm.files import read_json
 from drakearm.model.loader import arm_folder
 
 _FILES = (*STEPS["train"].files, "metrics")  # of a run, by their names in RunFolder
@@ -26,7 +27,7 @@ def adopt_step(run: RunFolder, scenario: str | Path, shipped: RunFolder) -> None
         for name in STEPS["train"].files:
             if name != STEPS["train"].record:
                 shutil.copyfile(shipped.path(name), new.path(name))
-        new.write_record(json.loads(shipped.path("training").read_text(encoding="utf-8")))
+        new.write_record(read_json(shipped.path("training"), RunFolderError))
 
 
 def ship(run: RunFolder, policies: Path) -> Path:

@@ -17,6 +17,7 @@ from numpy.lib import format as npy
 
 from drakearm.errors import RunFolderError, shown
 from drakearm.files.fields import LARGEST
+from drakearm.files.formats import FORMAT, NEWEST, require_readable
 from drakearm.files.writing import replacement
 
 T = TypeVar("T")
@@ -77,7 +78,7 @@ def load_stack(cls: type[T], file: Path) -> list[T]:
 
 def _save(arrays: dict[str, Any], file: Path) -> None:
     with replacement(file) as partial, partial.open("wb") as stream:  # to a path, NumPy would append .npz
-        np.savez_compressed(stream, **arrays)
+        np.savez_compressed(stream, **(arrays | {FORMAT: NEWEST}))
 
 
 def _load(layouts: dict[str, Layout], file: Path, largest: int) -> dict[str, np.ndarray]:
@@ -149,17 +150,20 @@ def _shape_problem(layouts: dict[str, Layout], shapes: dict[str, tuple[int, ...]
 def _read(archive: ZipFile, layouts: dict[str, Layout], file: Path, largest: int) -> dict[str, np.ndarray]:
     """The arrays of an .npz. Raises RunFolderError, and any error at all if the archive is damaged."""
     members = [member.filename.removesuffix(".npy") for member in archive.infolist()]
+    size = sum(info.file_size for info in archive.infolist())
+    if size > largest:
+        raise RunFolderError(f"{shown(file)} holds {size:.2g} bytes: expected at most {largest:.2g}.")
+    infos = dict(zip(members, archive.infolist(), strict=True))
+    if FORMAT in infos:
+        number = _read_array(archive, infos.pop(FORMAT), FORMAT, file)
+        require_readable(number.item() if number.size == 1 else number.tolist(), file, RunFolderError)
     for name in layouts:
         if members.count(name) != 1:
             found = "no such array" if name not in members else "it twice"
             raise RunFolderError(f"{shown(file)}: {name}: found {found}, expected one array of that name.")
-    for name in members:
+    for name in infos:
         if name not in layouts:
             raise RunFolderError(f"{shown(file)}: found the array {shown(name)}, expected only {', '.join(layouts)}.")
-    infos = dict(zip(members, archive.infolist(), strict=True))
-    size = sum(info.file_size for info in infos.values())
-    if size > largest:
-        raise RunFolderError(f"{shown(file)} holds {size:.2g} bytes: expected at most {largest:.2g}.")
     return {name: _read_array(archive, infos[name], name, file) for name in layouts}
 
 

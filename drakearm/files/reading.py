@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 
 from drakearm.errors import DrakearmError, shown
+from drakearm.files.formats import FORMAT, require_readable
 
 _LARGEST = 5_000_000  # bytes of a file
 _LARGEST_YAML = 500_000  # bytes of a YAML file: a larger one could keep the reader busy for minutes
@@ -40,8 +41,9 @@ def read_text(file: Path, error: type[DrakearmError], largest: int = _LARGEST) -
 def read_yaml(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
     """The mapping in a YAML file: names with text, numbers, true, false, null, lists and mappings.
 
-    As in YAML 1.2, a date is text, 1e3 is a number, and << is a name like others. Raises `error` if the file is not
-    valid YAML, if it has tags or a name twice, or if it is too large or too deep.
+    As in YAML 1.2, a date is text, 1e3 is a number, and << is a name like others. The field `format` is checked and
+    left out. Raises `error` if the file is not valid YAML, if it has tags or a name twice, if it is too large or too
+    deep, or if it is of a format that this drakearm does not know.
     """
     text = read_text(file, error, _LARGEST_YAML)
     try:
@@ -68,7 +70,10 @@ def _plain(problem: str) -> str:
 
 
 def read_json(file: Path, error: type[DrakearmError]) -> dict[str, Any]:
-    """The object in a JSON file. Raises `error` if the file holds anything else, or as `parse_json` does."""
+    """The object in a JSON file, without its `format`.
+
+    Raises `error` if the file holds anything else or is of an unknown format, or as `parse_json` does.
+    """
     return _checked_mapping(parse_json(read_text(file, error), file, error), file, error)
 
 
@@ -152,6 +157,7 @@ def _checked_mapping(content: Any, file: Path, error: type[DrakearmError]) -> di
     if not all(isinstance(name, str) for name in content):
         name = next(name for name in content if not isinstance(name, str))
         raise error(f"{shown(file)}: found the field {shown(name)}, expected names that are text.")
+    require_readable(content.pop(FORMAT, 1), file, error)
     return content
 
 

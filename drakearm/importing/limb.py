@@ -16,6 +16,7 @@ from drakearm.model.path_fit import PathFit, fit_paths
 from drakearm.model.path_samples import PathSampler
 
 GRIP, TIP = "grip", "tip"  # the frames where loads hang, and whose path is planned and drawn
+_SEARCH = 16  # times 256 samples in search of jumps: faults of OpenSim's wrapping can be narrower than 0.1 degrees
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,7 @@ def import_limb(
     selection = select(model, only, values)
     program.set_coordinates(values)
     links = make_links(program, selection)
+    frames = _frames(selection, links, tip)
     neutral = {
         name: float(np.clip(known[name].default, lower, upper)) for name, (lower, upper) in selection.limits.items()
     }
@@ -95,7 +97,7 @@ def import_limb(
         tuple(links),
         tuple(muscle for muscle in placed if muscle.name not in idle),
         tuple(crossing),
-        _frames(model, selection, links, tip),
+        frames,
         (*selection.notes, *notes, *(f"left out: {note}" for note in model.notes)),
     )
 
@@ -126,11 +128,10 @@ def _fit(
 
     lower, upper = np.array(list(limits.values())).T
     sampler: PathSampler = lengthened
-    return fit_paths(sampler, names, list(limits), lower, upper, neutral)
+    return fit_paths(sampler, names, list(limits), lower, upper, neutral, search=_SEARCH)
 
 
 def _frames(
-    model: SourceModel,
     selection: Selection,
     links: Sequence[Link],
     tip: tuple[str, tuple[float, float, float]] | None,

@@ -94,4 +94,4 @@ def _gist(text: str) -> str:
     """The first sentence of what OpenSim says, without its place in the source code."""
     text = text.split("\n\tThrown at")[0].split("': ", 1)[-1].removeprefix("Object: ")
     lines = [line.strip() for line in text.splitlines() if line.strip() and "Exception thrown at" not in line]
-    return " ".join(lines)[:150].rstrip(".")
+    return " ".join(lines)[:180].rstrip(".")

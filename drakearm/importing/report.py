@@ -43,7 +43,7 @@ def parameter_notes(muscles: tuple[SourceMuscle, ...]) -> list[str]:
 
 def frame_sentence(limb: ImportedLimb) -> str:
     (body, center), (_, point) = limb.frames[GRIP], limb.frames[TIP]
-    place = ", ".join(f"{x:.4g}" for x in point)
+    place = ", ".join(f"{round(float(x), 6) + 0.0:g}" for x in point)
     same = (center == point).all()
     return (
         f"loads hang at the mass center of {body} (frame {GRIP}); the planned point is "

@@ -97,7 +97,7 @@ def _limits(model: SourceModel, name: str, notes: list[str]) -> tuple[float, flo
         cure = f"lock it with --lock {name}=METERS, or " if coordinate.kind == "translation" else ""
         raise ImportingError(
             f"The coordinate {name} is a {coordinate.kind}: expected rotations about one axis. Please {cure}leave its "
-            "parent body out with --only, which fixes the next body in the world."
+            "joint out with --only: a body whose parent is not kept is fixed in the world."
         )
     lower, upper = max(coordinate.lower, -_WIDEST), min(coordinate.upper, _WIDEST)
     if not lower < upper:

@@ -77,6 +77,7 @@ def fit_paths(
     upper: np.ndarray,
     reference: np.ndarray | None = None,
     tolerance: float = _TOLERANCE,
+    search: int = 1,
 ) -> list[PathFit]:
     """Fits the paths of muscles within lower..upper (rad) of each coordinate, and measures the errors.
 
@@ -84,6 +85,7 @@ def fit_paths(
     Samples may be NaN where a path cannot be computed. The same samples give the same fit.
     reference: the posture (rad) near which lengths that jump elsewhere are right; by default the middle of the range.
     tolerance: of moment arms (m); the fit is less accurate where it would need too many coefficients.
+    search: how many times as many samples as for the fit are searched for jumps, along single coordinates.
 
     Raises PathError for a length that is not a sum of functions of at most three coordinates, or is never a number.
     """
@@ -102,7 +104,8 @@ def fit_paths(
     jumps: list[list[Jump]] = [[] for _ in muscles]
     start = np.nan_to_num(sample(center[None])[0][0])
     for group, crossing in sorted(members.items()):
-        axes = [np.linspace(lower[j], upper[j], _SAMPLES[len(group)]) for j in group]
+        every = search if len(group) == 1 else 1
+        axes = [np.linspace(lower[j], upper[j], (_SAMPLES[len(group)] - 1) * every + 1) for j in group]
         grid = sample_grid(sample, center, group, axes)
         for i in crossing:
             if not np.isfinite(grid.slopes[:, i]).any():
@@ -110,7 +113,8 @@ def fit_paths(
             jumps[i] += find_jumps(sample, center, group, grid, i)
         names = tuple(coordinates[j] for j in group)
         for chosen in [crossing] if len(group) == 1 else [[i] for i in crossing]:
-            own = Grid(axes, grid.values[:, chosen] - start[chosen], grid.slopes[:, chosen])
+            values, slopes = grid.values[::every, chosen] - start[chosen], grid.slopes[::every, chosen]
+            own = Grid([axis[::every] for axis in axes], values, slopes)
             robust = np.array([any(jump.coordinate in group for jump in jumps[i]) for i in chosen])
             knots, coefficients = fit_on_grid(own, robust, tolerance, _LIMITS[len(group)])
             for k, i in enumerate(chosen):

@@ -87,6 +87,16 @@ def test_jumps_are_reported_and_cured():
         np.testing.assert_allclose(evaluate(fit, q), true, atol=2e-4)
 
 
+def test_a_narrow_jump_is_found_if_it_is_searched_for():
+    def narrow(q):
+        return lengths(q)[:, :1] + 0.05 * ((q[:, :1] > 0.3003) & (q[:, :1] < 0.3013))
+
+    assert not fitted(narrow)[0].jumps
+    up, down = fitted(narrow, search=16)[0].jumps
+    assert (up.angle, down.angle) == (pytest.approx(0.3003, abs=1e-5), pytest.approx(0.3013, abs=1e-5))
+    assert (up.size, down.size) == (pytest.approx(0.05, rel=1e-3), pytest.approx(-0.05, rel=1e-3))
+
+
 def test_the_reference_chooses_the_level_of_a_length_that_jumps():
     before, after = (fitted(jumping, reference=np.array([x, 1.0, 0.0]))[0] for x in (-0.5, 1.4))
     q = np.zeros((1, 3))
