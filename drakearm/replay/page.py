@@ -16,7 +16,7 @@ from pydrake.geometry import Rgba
 
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
-from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, TARGET_COLOR, TARGET_RADIUS, View
+from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, TARGET_COLOR, TARGET_RADIUS, View, drawing_scale
 from drakearm.systems.muscle_drawing import activation_color
 
 JOINT_COLORS = ("#3b8ed0", "#e0803c", "#2fae86", "#c97bb0", "#d2a52a", "#7fb7dd")  # readable on white and on black
@@ -97,7 +97,7 @@ def make_page(
         ghost=_css(GHOST_COLOR),
         path=_css(PATH_COLOR),
         target=_css(TARGET_COLOR),
-        target_size=f"{100 * TARGET_RADIUS:g} cm",
+        target_size=f"{100 * TARGET_RADIUS * drawing_scale(arm):.2g} cm",
         duration=repr(duration),
         data=json.dumps(data).replace("<", "\\u003c"),  # so that no name can end the script
     )
