@@ -2,20 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from pydrake.geometry import Cylinder, Meshcat, MeshcatParams, Rgba, SceneGraph, Sphere
+from pydrake.geometry import Mesh, Meshcat, MeshcatParams, Rgba, SceneGraph, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
 
 from drakearm.model import Arm
 from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.skeleton import add_skeleton, skeleton_plant
-from drakearm.systems.muscle_drawing import MuscleDrawing, segment_pose, upright
+from drakearm.systems.muscle_drawing import MuscleDrawing, upright
 from drakearm.systems.skeleton_drawing import SkeletonDrawing
-from drakearm.systems.skeleton_visualizer import FIELD_OF_VIEW, OBLIQUE, set_stage
+from drakearm.systems.skeleton_visualizer import FIELD_OF_VIEW, joint_axis, oblique, set_stage
+from drakearm.systems.smooth_mesh import tube
 
 GHOST_COLOR = Rgba(0.0, 0.58, 0.55, 0.25)
 PATH_COLOR = Rgba(0.95, 0.55, 0.05, 1.0)
@@ -72,6 +73,7 @@ class ReplayScene:
         self._skeleton = SkeletonDrawing(self.meshcat, f"{_ROOT}/arm", self._plant, scene_graph)
         self._ghost = SkeletonDrawing(self.meshcat, f"{_ROOT}/reference", self._plant, scene_graph, GHOST_COLOR)
         self._muscles = MuscleDrawing(self.meshcat, f"{_ROOT}/muscles", arm, self._plant)
+        self._surroundings = _still_meshes(self._plant, scene_graph)
 
     def draw(self, recording: Recording, i: int, time_in_recording: float | None = None) -> None:
         """Draws sample i. If Meshcat is recording, it stores this frame at time_in_recording (s)."""
@@ -82,15 +84,10 @@ class ReplayScene:
 
     def draw_tip_path(self, q: np.ndarray) -> None:
         """Draws the path of the hand's tip for joint angles q (N, n_q), rad."""
+        path = tube(np.array([self._tip_position(row) for row in q]), _PATH_RADIUS * self._scale)
         self.meshcat.Delete(f"{_ROOT}/tip_path")
-        points = [self._tip_position(row) for row in q]
-        for i, (start, end) in enumerate(pairwise(points)):  # cylinders, because lines would be one pixel wide
-            pose, length = segment_pose(start, end)
-            piece = f"{_ROOT}/tip_path/{i}"
-            if length > 0.0:
-                self.meshcat.SetTransform(piece, pose)
-                self.meshcat.SetTransform(f"{piece}/line", RigidTransform([0.0, 0.0, 0.5 * length]))
-                self.meshcat.SetObject(f"{piece}/line", Cylinder(_PATH_RADIUS * self._scale, length), PATH_COLOR)
+        if path is not None:
+            self.meshcat.SetObject(f"{_ROOT}/tip_path", path, PATH_COLOR)
 
     def draw_target(self, q: np.ndarray) -> None:
         """Draws a ball where the tip of the hand is at joint angles q (n_q,), rad."""
@@ -100,8 +97,8 @@ class ReplayScene:
     def views(self, q: np.ndarray) -> dict[str, View]:
         """The views in which the arm is visible at all joint angles q (N, n_q), rad.
 
-        oblique: the whole arm. side: the same, exactly along the axis of the last joint, where lengths are true. close:
-        the path of the hand.
+        oblique: the arm and all meshes that stand still, such as a head. side: the arm, exactly along the axis of the
+        last joint, where lengths are true. close: the path of the hand.
         """
         names = {body for muscle in self._arm.muscles for body, _ in muscle.points}
         bodies = [int(self._plant.GetBodyByName(name).index()) for name in names]
@@ -110,14 +107,12 @@ class ReplayScene:
         for row in q:
             X_WB = self._body_poses(row)
             points += [X_WB[body].translation() for body in bodies]
-        joint = self._plant.GetJointByName(self._arm.coordinates[-1])
-        X_WF = joint.frame_on_parent().CalcPoseInWorld(self._context)
-        across = X_WF.rotation().multiply(joint.revolute_axis())
-        across *= np.sign(across @ OBLIQUE) or 1.0
+        direction = oblique(self._arm, self._plant, self._context)
+        across = joint_axis(self._arm, self._plant, self._context)
         return {
-            "oblique": self._view(points, OBLIQUE, FIELD_OF_VIEW),
+            "oblique": self._view([*points, *self._surroundings], direction, FIELD_OF_VIEW),
             "side": self._view(points, across, _NARROW),
-            "close": self._view(path, OBLIQUE, FIELD_OF_VIEW, _CLOSE * self._scale),
+            "close": self._view(path, direction, FIELD_OF_VIEW, _CLOSE * self._scale),
         }
 
     def set_camera(self, view: View) -> None:
@@ -146,3 +141,22 @@ class ReplayScene:
         self._plant.SetPositions(self._context, q)
         tip = self._plant.GetFrameByName(self._arm.tip_frame)
         return tip.CalcPoseInWorld(self._context).translation()
+
+
+def _still_meshes(plant: MultibodyPlant, scene_graph: SceneGraph) -> list[np.ndarray]:
+    """The corners (3,), m, in the world, of boxes around all visual meshes that cannot move."""
+    inspector, X_WB = (
+        scene_graph.model_inspector(),
+        plant.get_body_poses_output_port().Eval(plant.CreateDefaultContext()),
+    )
+    corners = []
+    for index in (BodyIndex(i) for i in range(plant.num_bodies())):
+        body = plant.get_body(index)
+        for geometry in plant.GetVisualGeometriesForBody(body) if plant.IsAnchored(body) else ():
+            shape = inspector.GetShape(geometry)
+            if isinstance(shape, Mesh):
+                hull = shape.GetConvexHull()
+                points = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
+                X_WG = X_WB[index] @ inspector.GetPoseInFrame(geometry)
+                corners += [X_WG.multiply(point) for point in (points.min(axis=0), points.max(axis=0))]
+    return corners
