@@ -10,15 +10,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drakearm.experiments import scenario_task
+from drakearm.experiments import load_scenario, scenario_files, scenario_task
 from drakearm.experiments.catalog import POLICIES
 from drakearm.learning import Policy
 from drakearm.repertoire import held_out_errors, load_repertoire
 from drakearm.repertoire.shipped import shipped_policy
 from drakearm.task import TrackingTask
-from tests.shipped import PAPER
 
 HEAVY = ("lift-5kg", "lift-10kg", "lift-20kg")
+PAPER = [name for name in scenario_files() if load_scenario(name).arm == "arm14"]
 LIGHT = [name for name in PAPER if not name.startswith(HEAVY)]
 
 
