@@ -39,8 +39,8 @@ def import_limb(
         list[str] | None,
         typer.Option(
             "--lock",
-            help="Coordinates that do not move, and their values in degrees, or in m if they shift, with commas between "
-            "them.",
+            help="Coordinates that do not move, with commas between them, and their values in degrees, or in m if they "
+            "shift.",
             metavar="COORDINATE=DEG,...",
             show_default=False,
         ),

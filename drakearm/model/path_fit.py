@@ -17,9 +17,7 @@ from drakearm.errors import PathError
 from drakearm.model.path_samples import Jump, PathSampler, find_components, find_jumps, sample_grid
 from drakearm.model.spline_fit import Grid, Limits, basis, fit_on_grid
 
-_TYPICAL = (
-    0.05  # m: the largest moment arm of a limb for which the numbers below, and those of other modules, are meant
-)
+_TYPICAL = 0.05  # m: the largest moment arm of a limb for which the lengths below are meant
 _TOLERANCE = 2e-5  # m, of moment arms
 _COUPLING = 1e-5  # m: of a moment arm by another coordinate, below which it is ignored
 _SAMPLES = {1: 257, 2: 65, 3: 21}  # per coordinate, by the number of coordinates
@@ -37,7 +35,7 @@ class FittedTerm(NamedTuple):
     coefficients: np.ndarray  # the first index belongs to the first coordinate
 
     def fields(self) -> dict[str, Any]:
-        """The term as a muscle's `path` in a muscles.yaml has it, with knots to 1e-8 rad and 9 digits of coefficients."""
+        """The term as `path` in a muscles.yaml has it, with knots to 1e-8 rad and coefficients of 9 digits."""
         knots = [np.round(knots, 8).tolist() for knots in self.knots]
         digits = 8 - math.floor(math.log10(np.abs(self.coefficients).max() or 1.0))
         coefficients = np.round(self.coefficients, digits).tolist()
@@ -104,13 +102,13 @@ def fit_paths(
     reference: the posture (rad) near which lengths that jump elsewhere are right; by default the middle of the range.
     search: how many times as many samples as for the fit are searched for jumps, along single coordinates.
 
-    A leg of an insect is fitted like that of a person: the tolerances are fractions of the largest moment arm. The fit is
-    less accurate where it would need too many coefficients.
+    A leg of an insect is fitted like that of a person: the tolerances are fractions of the largest moment arm. The fit
+    is less accurate where it would need too many coefficients.
 
     Raises PathError for a length that is not a sum of functions of at most three coordinates, or is never a number.
     """
     arms = sample(np.random.default_rng(2).uniform(lower, upper, (_LOOKS, len(lower))))[1]
-    scale = _TYPICAL / (np.nan_to_num(np.abs(arms)).max() or _TYPICAL)
+    scale = _TYPICAL / (np.median(np.nan_to_num(np.abs(arms)), axis=0).max() or _TYPICAL)
 
     def scaled(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         length, arms = sample(q)
