@@ -19,7 +19,7 @@ endif
 # Python 3.11 gets the versions of packages that CI uses, any newer Python the newest versions that were tried.
 CONSTRAINTS := constraints/python$(if $(filter 3.11,$(VERSION)),3.11,3.12).txt
 
-SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '*.yaml' -o -name '*.urdf' -o -path '*/policies/*/*' -o -path '*/replay/page.*' -o -name '*.csv'))
+SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '*.yaml' -o -name '*.urdf' -o -name '*.obj' -o -path '*/policies/*/*' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.csv'))
 
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)

@@ -1,7 +1,6 @@
 """The muscles of an arm as bodies in Meshcat: pale tendons, and bellies that are colored by their activation."""
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,10 +8,10 @@ from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context
-from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.model import Arm
+from drakearm.systems.muscle_path import MusclePaths
+from drakearm.systems.smooth_mesh import frustum
 
 TENDON_COLOR = Rgba(0.93, 0.90, 0.82, 1.0)
 _BELLY_PIECES, _TENDON_PIECES = 7, 2  # per muscle, and per muscle and end
@@ -24,10 +23,9 @@ _SHARES = np.concatenate(
         np.linspace(2.0, 3.0, _TENDON_PIECES + 1),
     ]
 )
-_THICKNESS = 5.0e-4  # m / sqrt(N): radius of a belly at its optimal length over the square root of max_isometric_force
+_THICKNESS = 6.0e-4  # m / sqrt(N): radius of a belly at its optimal length over the square root of max_isometric_force
+_LEAST_BELLY = 0.5  # optimal fiber lengths
 _TENDON = 0.25  # radius of a tendon over that of the belly's middle
-_SAMPLES = 40  # of a path, from which its pieces are cut
-_SIDES = 12  # of a piece's cross section
 _OVERLAP = 0.04  # by which a piece is longer than its part of the path, so that bends have no gaps
 _VISIBLE = 0.004  # change of a color channel
 _SHORTEST = 1e-6  # m: a drawn length of 0 would have no normals
@@ -77,35 +75,10 @@ def upright(arm: Arm) -> RigidTransform:
     return RigidTransform(AngleAxis(angle, axis / np.linalg.norm(axis)), np.zeros(3))
 
 
-def smooth_path(points: np.ndarray) -> np.ndarray:
-    """Samples (K, 3) of a smooth curve through points (m, 3), m, in their order: a Catmull-Rom spline."""
-    return smoothing(points) @ points
-
-
-def smoothing(points: np.ndarray) -> np.ndarray:
-    """The matrix (K, m) from points (m, 3), m, to samples of the smooth curve through them.
-
-    It depends on the distances of the points only, so it may be kept while they change little.
-    """
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    own = np.flatnonzero(np.append(True, steps > 0.0))  # points that coincide with the one before are left out
-    every = np.eye(len(points))
-    if len(own) < 3:
-        return every[[0, -1]]
-    at = np.append(0.0, np.cumsum(steps[steps > 0.0]))
-    chosen = every[own]
-    samples = np.union1d(at, np.linspace(0.0, at[-1], _SAMPLES))
-    matrix: np.ndarray = CubicHermiteSpline(at, chosen, np.gradient(chosen, at, axis=0))(samples)
-    return matrix
-
-
 class _Drawn(NamedTuple):
     """A muscle's pieces, tendon, belly and tendon in order, and what their shapes depend on."""
 
     pieces: list[str]
-    bodies: list[int]
-    points: list[np.ndarray]  # p_BP, m
-    smoothing: np.ndarray  # from the points to the path
     tendon: float  # m, slack length of both tendons together
     optimal: float  # m, length of the fibers at which the belly has its radius
     radius: float  # m
@@ -114,9 +87,10 @@ class _Drawn(NamedTuple):
 class MuscleDrawing:
     """The muscles of an arm in Meshcat, which `draw` moves with the arm's bodies.
 
-    A muscle follows a smooth path through its points. Half of the tendon is at each of its ends, with the slack length
-    of the tendon; the rest is the belly. A belly becomes thicker as it becomes shorter, so that its volume stays, and
-    its cross section is proportional to max_isometric_force. The pieces are at `<path>/<muscle>/<number>`.
+    A muscle follows a smooth path through its points (see `MusclePaths`). Half of the tendon is at each of its ends,
+    with the slack length of the tendon; the rest is the belly. A belly becomes thicker as it becomes shorter, so that
+    its volume stays, and its cross section is proportional to max_isometric_force. The pieces are at
+    `<path>/<muscle>/<number>`.
     """
 
     def __init__(self, meshcat: Meshcat, path: str, arm: Arm, plant: MultibodyPlant, repeat: int = 1):
@@ -126,9 +100,9 @@ class MuscleDrawing:
         between the colors that it gets, so it needs 1.
         """
         self._meshcat, self._repeat = meshcat, repeat
+        self._paths = MusclePaths(plant, arm)
         self._muscles: list[_Drawn] = []
         self._draws, self._shown = 0, np.full((len(arm.muscles), 3), np.inf)  # the colors that the page has
-        context = plant.CreateDefaultContext()
         for muscle in arm.muscles:
             pieces = [f"{path}/{muscle.name}/{k}" for k in range(_BELLY_PIECES + 2 * _TENDON_PIECES)]
             for k, piece in enumerate(pieces):
@@ -136,13 +110,10 @@ class MuscleDrawing:
                 belly = 0 <= j < _BELLY_PIECES
                 ends = _profile(np.array([j, j + 1]) / _BELLY_PIECES) if belly else np.full(2, _TENDON)
                 color = Rgba(*_RAMP[0]) if belly else TENDON_COLOR
-                meshcat.SetTriangleMesh(f"{piece}/shape/surface", *_frustum(*ends), color)
+                meshcat.SetObject(f"{piece}/shape/surface", frustum(ends[0], ends[1], _OVERLAP), color)
             self._muscles.append(
                 _Drawn(
                     pieces,
-                    [int(plant.GetBodyByName(body).index()) for body, _ in muscle.points],
-                    [np.array(point) for _, point in muscle.points],
-                    smoothing(np.array([_in_world(plant, context, *point) for point in muscle.points])),
                     muscle.tendon_slack_length,
                     muscle.optimal_fiber_length,
                     _THICKNESS * math.sqrt(muscle.max_isometric_force),
@@ -164,9 +135,8 @@ class MuscleDrawing:
         changed = (np.abs(colors - self._shown).max(axis=1) > _VISIBLE) | (self._draws % self._repeat == 0)
         self._shown[changed] = colors[changed]
         self._draws += 1
-        for muscle, color, new in zip(self._muscles, colors, changed.tolist(), strict=True):
-            p_W = [X_WB[body].multiply(point) for body, point in zip(muscle.bodies, muscle.points, strict=True)]
-            ends, thickness = _cut(muscle.smoothing @ np.array(p_W), muscle)
+        for muscle, path, color, new in zip(self._muscles, self._paths(X_WB), colors, changed.tolist(), strict=True):
+            ends, thickness = _cut(path, muscle)
             for k, piece in enumerate(muscle.pieces):
                 belly = 0 <= k - _TENDON_PIECES < _BELLY_PIECES
                 radius = muscle.radius * (thickness if belly else 1.0)
@@ -192,15 +162,12 @@ class MuscleDrawing:
             self._meshcat.SetProperty(f"{piece}/shape/surface/<object>", name, float(value), time)
 
 
-def _in_world(plant: MultibodyPlant, context: Context, body: str, p_BP: Sequence[float]) -> np.ndarray:
-    return plant.GetBodyByName(body).EvalPoseInWorld(context).multiply(np.array(p_BP))
-
-
 def _cut(path: np.ndarray, muscle: _Drawn) -> tuple[np.ndarray, float]:
     """The ends (pieces + 1, 3), m, of a muscle's pieces on its path (K, 3), and how much thicker its belly is."""
     along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
     total = max(float(along[-1]), _SHORTEST)
-    belly = max(total - muscle.tendon, 0.2 * total)  # a path may be shorter than the tendon in an impossible posture
+    # A path may be too short for the tendon, in an impossible posture or where the points do not fit the path function.
+    belly = min(max(total - muscle.tendon, _LEAST_BELLY * muscle.optimal), total)
     first, last = 0.5 * (total - belly), 0.5 * (total + belly)
     at = np.interp(_SHARES, (0.0, 1.0, 2.0, 3.0), (0.0, first, last, total))
     ends = np.stack([np.interp(at, along, axis) for axis in path.T], axis=-1)
@@ -210,17 +177,6 @@ def _cut(path: np.ndarray, muscle: _Drawn) -> tuple[np.ndarray, float]:
 def _profile(share: np.ndarray) -> np.ndarray:
     """The radius of a belly over that of its middle, at shares of its length from 0 to 1."""
     return _TENDON + (1.0 - _TENDON) * np.sin(np.pi * share) ** 0.8
-
-
-def _frustum(first: float, last: float) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (3, N) and triangles (3, F) of a tube along z, from 0 to 1, with other radii at its ends."""
-    angle = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
-    ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(_SIDES)])
-    low, high = ring * first - [[0.0], [0.0], [_OVERLAP]], ring * last + [[0.0], [0.0], [1.0 + _OVERLAP]]
-    k = np.arange(_SIDES)
-    after = (k + 1) % _SIDES
-    triangles = np.hstack([np.stack([k, after, _SIDES + after]), np.stack([k, _SIDES + after, _SIDES + k])])
-    return np.hstack([low, high]), triangles
 
 
 def _linear(srgb: np.ndarray) -> np.ndarray:

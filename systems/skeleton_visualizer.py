@@ -14,7 +14,7 @@ from drakearm.systems.muscle_drawing import upright
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.skeleton_drawing import SkeletonDrawing
 
-OBLIQUE = np.array([0.35, 0.12, 1.0])  # to the camera, in the world: right, slightly to the front and up
+_FORWARD, _UP = 0.35, 0.12  # of an oblique view, over the distance to the side
 FIELD_OF_VIEW = 30.0  # degrees
 STAGE = MeshcatVisualizerParams()  # of Drake's MeshcatVisualizer beside the muscles: draws as often as they are drawn
 STAGE.publish_period = MuscleVisualizer.PUBLISH_PERIOD
@@ -66,6 +66,20 @@ class SkeletonVisualizer(LeafSystem):
         self._drawing.draw([X_WB[body] for body in self._bodies], context.get_time())
 
 
+def joint_axis(arm: Arm, plant: MultibodyPlant, context: Context) -> np.ndarray:
+    """The axis of the last joint in the world: seen from its tip, joint angles grow counterclockwise."""
+    joint = plant.GetJointByName(arm.coordinates[-1])
+    axis: np.ndarray = joint.frame_on_parent().CalcPoseInWorld(context).rotation().multiply(joint.revolute_axis())
+    return axis
+
+
+def oblique(arm: Arm, plant: MultibodyPlant, context: Context) -> np.ndarray:
+    """The direction to the camera, of length 1, in the world: along the last joint's axis, a little forward and up."""
+    across, up = joint_axis(arm, plant, context), upright(arm).rotation().inverse().multiply(np.array([0.0, 0.0, 1.0]))
+    direction: np.ndarray = across + _FORWARD * np.cross(up, across) + _UP * up
+    return direction / np.linalg.norm(direction)
+
+
 def set_stage(meshcat: Meshcat, arm: Arm, path: str) -> None:
     """Turns what is below a path upright, hides grid and axes, and lights the scene."""
     meshcat.SetTransform(path, upright(arm))
@@ -86,6 +100,6 @@ def prepare_stage(meshcat: Meshcat, arm: Arm, plant: MultibodyPlant, path: str =
     low, high = points.min(axis=0), points.max(axis=0)
     center, reach = 0.5 * (low + high), float(np.linalg.norm(high - low))
     distance = 0.8 * reach / np.sin(np.radians(0.5 * FIELD_OF_VIEW))  # there is room to move
-    camera = center + distance * OBLIQUE / np.linalg.norm(OBLIQUE)
+    camera = center + distance * oblique(arm, plant, context)
     meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=FIELD_OF_VIEW))
     meshcat.SetCameraPose(upright(arm).multiply(camera), upright(arm).multiply(center))

@@ -54,10 +54,10 @@ def add_fields(app, what, name, obj, options, lines):
         lines += ["", f"Base: {', '.join(f'`{base}`' for base in bases)}."]
     fields = declared_fields(obj) if is_record(obj) else {}
     if fields:
-        rows = [("field", "type", "meaning")]
-        rows += [(f"``{field}``", f"``{type}``", meaning) for field, (type, meaning) in fields.items()]
+        rows = [("field", "meaning", "type")]
+        rows += [(f"``{field}``", meaning, f"``{type}``") for field, (type, meaning) in fields.items()]
         lines += ["", ".. list-table::", "   :header-rows: 1", ""]
-        lines += [("   * - " if cell is row[0] else "     - ") + cell for row in rows for cell in row]
+        lines += [("     - " if column else "   * - ") + cell for row in rows for column, cell in enumerate(row)]
         lines.append("")
 
 

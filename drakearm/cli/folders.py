@@ -19,7 +19,7 @@ def run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
 
     Raises ScenarioError for an invalid scenario, RunFolderError if another command is at work there.
     """
-    run = _folder_of(scenario, out)
+    run = folder_of(scenario, out)
     with run.locked():
         yield run
 
@@ -32,7 +32,7 @@ def learned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]"
     """
     from drakearm.experiments import adopt_step, shipped_run
 
-    run, shipped = _folder_of(scenario, out), shipped_run(scenario)
+    run, shipped = folder_of(scenario, out), shipped_run(scenario)
     if shipped and not run.path("scenario").exists():
         with run.locked():
             adopt_step(run, scenario, shipped)
@@ -47,7 +47,7 @@ def planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]"
     """The folder of a run that has a plan, locked. Raises RunFolderError if it has none, or one of another scenario."""
     from drakearm.experiments import load_scenario
 
-    run = _folder_of(scenario, out)
+    run = folder_of(scenario, out)
     if not run.folder.exists():
         run.existing("reference", f"plan {scenario}")  # raises the error
     with run.locked():
@@ -66,13 +66,14 @@ def existing_run(run: str) -> "Iterator[RunFolder]":
     """
     from drakearm.experiments import RunFolder
 
-    folder = RunFolder(Path(run)) if os.path.isdir(run) else _folder_of(run, None)
+    folder = RunFolder(Path(run)) if os.path.isdir(run) else folder_of(run, None)
     folder.existing("scenario", f"plan {run}")
     with folder.locked():
         yield folder
 
 
-def _folder_of(scenario: str, out: Path | None) -> "RunFolder":
+def folder_of(scenario: str, out: Path | None) -> "RunFolder":
+    """The given folder, or the one with the scenario's name in runs/, which may not exist."""
     from drakearm.experiments import RunFolder, load_scenario
 
     return RunFolder(out or Path("runs") / load_scenario(scenario).name)

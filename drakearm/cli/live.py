@@ -1,25 +1,10 @@
 """`drakearm live`."""
 
-from typing import Annotated
-
-import typer
-
 from drakearm.cli.console import say
-from drakearm.cli.options import LearnedPolicy, whole_number
+from drakearm.cli.options import LearnedPolicy, Port
 
 
-def live(
-    policy: LearnedPolicy = None,
-    port: Annotated[
-        int | None,
-        typer.Option(
-            help="Port of the page. [default: the first free one from 7000]",
-            metavar="NUMBER",
-            parser=whole_number(1024, 65535),
-            show_default=False,
-        ),
-    ] = None,
-) -> None:
+def live(policy: LearnedPolicy = None, port: Port = None) -> None:
     """Let the arm reach in the browser, in real time, for a target that you set with sliders.
 
     The page is only for this computer. Its controls: the target of the hand (x forward, y up), the time that the reach
@@ -33,5 +18,5 @@ def live(
 
     chosen, repertoire = policy_and_repertoire(policy)
     page = Live(repertoire, chosen, port)
-    say(f"open {page.meshcat.web_url()} in a browser")
+    say(f"open {page.meshcat.web_url()} in a browser, and there Open Controls")
     page.Run(say)

@@ -119,6 +119,15 @@ LearnedPolicy = Annotated[
         show_default=False,
     ),
 ]
+Port = Annotated[
+    int | None,
+    typer.Option(
+        help="Port of the page. [default: the first free one from 7000]",
+        metavar="NUMBER",
+        parser=whole_number(1024, 65535),
+        show_default=False,
+    ),
+]
 Import = Annotated[
     list[str] | None,
     typer.Option(

@@ -9,7 +9,8 @@ from drakearm.figures.side_view import SideView
 from drakearm.figures.style import ARM_COLOR, OBSTACLE_COLOR
 from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.obstacle import Obstacle
-from drakearm.systems.muscle_drawing import activation_color, smooth_path
+from drakearm.systems.muscle_drawing import activation_color
+from drakearm.systems.muscle_path import smooth_path
 
 SIZE = (480, 480)  # pixels
 _DPI = 100

@@ -15,7 +15,7 @@ from drakearm.model.skeleton_file import LOAD, check_skeleton, parse_skeleton
 
 _IRON = 7870.0  # kg/m^3
 _LOAD_COLOR = np.array([0.25, 0.27, 0.30, 1.0])
-_GRIP, _BAR_RADIUS = 0.03, 0.009  # m, from the middle of a dumbbell to its discs, and of its bar
+_GRIP, _BAR_RADIUS = 0.04, 0.009  # m, from the middle of a dumbbell to its discs, and of its bar
 
 
 def load_inertia(mass: float) -> SpatialInertia:

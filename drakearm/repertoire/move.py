@@ -24,7 +24,7 @@ from drakearm.task.starts import ReferenceStart
 
 START_DEG = (-20.0, 80.0)  # where the shipped reaches start
 _BAR = 0.3  # m, length of the obstacle that is drawn
-_NEAR = 0.01  # m from the goal, where a movement of the hand succeeds
+NEAR = 0.01  # m from the goal, where a movement of the hand succeeds
 _HOLD = 0.2  # s of rest after the movement
 
 
@@ -105,7 +105,7 @@ def move(
         plan=planned,
         feasibility=feasibility,
     )
-    return Move(report, task, recording, run_metrics(task, recording, [HandAtGoal(within=_NEAR)]))
+    return Move(report, task, recording, run_metrics(task, recording, [HandAtGoal(within=NEAR)]))
 
 
 def _bar(avoid: tuple[float, float, float], model: PlanningModel, target: np.ndarray) -> Obstacle:

@@ -16,7 +16,7 @@ from drakearm.errors import FilmError, shown
 from drakearm.files import replacement
 from drakearm.files.writing import storage
 
-SIZE = (960, 600)  # pixels
+SIZE, WIDE = (960, 600), (1280, 720)  # pixels, of one scene and of two
 RATE = 25  # frames per second
 # Software rendering, which needs no graphics card and no display.
 BROWSER_OPTIONS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

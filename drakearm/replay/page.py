@@ -1,12 +1,12 @@
-"""The web page of a replay: Meshcat's page with a caption, a legend, controls, and a strip of angles and activations.
+"""The web page of a replay: Meshcat's page with a caption, and a strip of angles and activations, and its controls.
 
-What the browser does is in page.html, page.css and page.js, which stand beside this file.
+What the browser does is beside this file: in page.js for a scene, in controls.js for the clock and the controls.
 """
 
 import html
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from string import Template
@@ -16,13 +16,14 @@ from pydrake.geometry import Rgba
 
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
-from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, TARGET_COLOR, TARGET_RADIUS, View
+from drakearm.replay.movement import Caption, duration
+from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, TARGET_COLOR, TARGET_RADIUS, View, drawing_scale
 from drakearm.systems.muscle_drawing import activation_color
 
 JOINT_COLORS = ("#3b8ed0", "#e0803c", "#2fae86", "#c97bb0", "#d2a52a", "#7fb7dd")  # readable on white and on black
 _SHADES = 64  # of the strip's colors
 # Lets the browser refuse every request to another place: all that the page may load is inside of it.
-_POLICY = """
+POLICY = """
 <meta http-equiv="Content-Security-Policy" content="default-src 'unsafe-inline' 'unsafe-eval' data: blob:">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 """
@@ -41,23 +42,6 @@ _ORDER = """
 """
 
 
-@dataclass(frozen=True)
-class Caption:
-    """What stands above a replay: what moves, how well, and a verdict: green, or red if the movement failed."""
-
-    title: str
-    lines: Sequence[str] = ()
-    verdict: str = ""
-    failed: bool = False
-
-    @property
-    def html(self) -> str:
-        lines = [f"<h1>{html.escape(self.title)}</h1>", *(f"<p>{html.escape(line)}</p>" for line in self.lines)]
-        if self.verdict:
-            lines.append(f'<p class="{"bad" if self.failed else "good"}">{html.escape(self.verdict)}</p>')
-        return "".join(lines)
-
-
 def make_page(
     meshcat_html: str,
     caption: Caption,
@@ -66,18 +50,21 @@ def make_page(
     arm: Arm,
     views: Mapping[str, View],
     load_mass: float = 0.0,
+    together: Sequence[Recording] = (),
 ) -> str:
-    """Adds all controls to the page of `Meshcat.StaticHtml()`.
+    """Adds caption, strip and controls to the page of `Meshcat.StaticHtml()`.
 
     speed: of the animation, as a fraction of real time. recording: the movement that it shows. views: of the buttons.
-    load_mass: kg, which is written beside the load.
+    load_mass: kg, which is written beside the load. together: all recordings of a comparison, if the page is a part of
+    one. Then the controls are missing, and the strips of all parts have the same axes.
     """
-    title = html.escape(caption.title)
-    duration = float(recording.t[-1] - recording.t[0])
-    ramp = [_css(Rgba(*color)) for color in activation_color(np.linspace(0.0, 1.0, _SHADES))]
+    shown = together or [recording]
+    angles = np.rad2deg(np.concatenate([q.ravel() for each in shown for q in (each.q, each.reference_q)]))
     data = {
         "speed": speed,
-        "duration": duration,
+        "duration": duration(recording),
+        "span": max(map(duration, shown)),
+        "angles": [float(angles.min()), max(float(angles.max()), float(angles.min()) + 1.0)],
         "views": {name: asdict(view) for name, view in views.items()},
         "t": np.round(recording.t - recording.t[0], 4).tolist(),
         "q": np.round(np.rad2deg(recording.q), 2).tolist(),
@@ -86,29 +73,50 @@ def make_page(
         "joints": list(arm.coordinates),
         "joint_colors": [JOINT_COLORS[j % len(JOINT_COLORS)] for j in range(len(arm.coordinates))],
         "muscles": [muscle.name for muscle in arm.muscles],
-        "ramp": ramp,
+        "ramp": _ramp(),
         "load": f"{load_mass:g} kg" if load_mass > 0.0 else "",
     }
-    overlay = Template(_file("page.html")).substitute(
-        style=_file("page.css"),
-        script=_file("page.js"),
+    overlay = Template(part("page.html")).substitute(
+        style=part("page.css"),
+        script=part("rendering.js") + part("page.js") + ("" if together else part("controls.js")),
         caption=caption.html,
-        ramp=", ".join(ramp[:: _SHADES // 8]),
-        ghost=_css(GHOST_COLOR),
-        path=_css(PATH_COLOR),
-        target=_css(TARGET_COLOR),
-        target_size=f"{100 * TARGET_RADIUS:g} cm",
-        duration=repr(duration),
-        data=json.dumps(data).replace("<", "\\u003c"),  # so that no name can end the script
+        controls="" if together else make_controls(duration(recording), [arm]),
+        data=as_json(data),
     )
-    page = meshcat_html.replace("<title>Drake MeshCat</title>", f"<title>{title}</title>")
-    page = page.replace("<head>", f"<head>{_POLICY}", 1).replace("</head>", f"{_ORDER}</head>")
+    page = meshcat_html.replace("<title>Drake MeshCat</title>", f"<title>{html.escape(caption.title)}</title>")
+    page = page.replace("<head>", f"<head>{POLICY}", 1).replace("</head>", f"{_ORDER}</head>")
+    if together:
+        page = page.replace("<body>", '<body class="beside">', 1)
     return page.replace("</body>", f"{overlay}</body>")
 
 
+def make_controls(seconds: float, arms: Sequence[Arm]) -> str:
+    """The legend and the controls of a replay that lasts some seconds. arms: those that it shows."""
+    radii = sorted({100 * TARGET_RADIUS * drawing_scale(arm) for arm in arms})
+    return Template(part("controls.html")).substitute(
+        ramp=", ".join(_ramp()[:: _SHADES // 8]),
+        ghost=_css(GHOST_COLOR),
+        path=_css(PATH_COLOR),
+        target=_css(TARGET_COLOR),
+        target_size=" or ".join(f"{radius:.2g}" for radius in radii) + " cm",
+        duration=repr(seconds),
+    )
+
+
+def as_json(data: object) -> str:
+    """JSON inside of a page: no text in it can end the script that it stands in."""
+    return json.dumps(data).replace("<", "\\u003c")
+
+
 @cache
-def _file(name: str) -> str:
+def part(name: str) -> str:
+    """The content of a file beside this one."""
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
+
+
+@cache
+def _ramp() -> list[str]:
+    return [_css(Rgba(*color)) for color in activation_color(np.linspace(0.0, 1.0, _SHADES))]
 
 
 def _css(color: Rgba) -> str:

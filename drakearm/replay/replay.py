@@ -1,5 +1,6 @@
-"""Writes the replay of a recorded movement: one HTML file that needs no other files."""
+"""Writes replays of recorded movements, alone or side by side: one HTML file that needs no other files."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,9 @@ from drakearm.model import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.recording import Recording
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.replay.page import Caption, make_page
+from drakearm.replay.comparison import make_comparison
+from drakearm.replay.movement import Caption, RecordedMovement, duration
+from drakearm.replay.page import make_page
 from drakearm.replay.scene import ReplayScene
 
 PLAYBACK_SPEED = 0.25  # movements last less than a second
@@ -30,21 +33,52 @@ def write_replay(
 ) -> None:
     """Writes a web page that repeats the recorded movement in slow motion.
 
-    It shows the arm with muscles colored by activation, the reference posture as a ghost, the path of the hand's tip,
-    its target, and a strip of angles and activations. It also shows the load (load_mass, kg) and the obstacle, if there
+    It shows the arm with muscles colored by activation, the reference posture as a ghost, the path of the hand, its
+    target, and a strip of angles and activations. It also shows the load (load_mass, kg) and the obstacle, if there
     are any. caption: what moves and how well.
 
     The space bar plays and pauses, the arrow keys move by 10 ms, and #t=0.3 at the end of the page's address pauses
     the replay at 0.3 s. Raises RunFolderError if the recording is not of this arm, StorageError if the file cannot be
     written. An earlier file is left then.
     """
-    recording.check(arm)
-    scene = ReplayScene(arm, load_mass, obstacle)
-    views = scene.views(np.vstack([recording.q, recording.reference_q]))
+    shown = RecordedMovement(arm, recording, load_mass, obstacle, caption or Caption("drakearm replay"))
+    _write(file, _page(shown, [shown], alone=True))
+
+
+def write_comparison(file: Path, left: RecordedMovement, right: RecordedMovement) -> None:
+    """Writes a web page that shows two recorded movements side by side, at the same time and in the same views.
+
+    The longer one determines how long it takes; the other one rests at its end. The page, its keys and the errors are
+    those of `write_replay`.
+    """
+    both = [left, right]
+    halves = _page(left, both, alone=False), _page(right, both, alone=False)
+    titles = left.caption.title, right.caption.title
+    longest = max(duration(each.recording) for each in both)
+    _write(file, make_comparison(halves, titles, (left.arm, right.arm), longest))
+
+
+def _page(shown: RecordedMovement, together: Sequence[RecordedMovement], *, alone: bool) -> str:
+    """The page of a movement, or its half of a comparison. together: all movements that the views have to hold."""
+    shown.recording.check(shown.arm)
+    scene = ReplayScene(shown.arm, shown.load_mass, shown.obstacle)
+    alike = [each.recording for each in together if each.arm.coordinates == shown.arm.coordinates]
+    views = scene.views(np.vstack([q for each in alike for q in (each.q, each.reference_q)]))
     scene.set_camera(views["oblique"])
-    animate(scene, recording)
-    caption = caption or Caption("drakearm replay")
-    page = make_page(scene.meshcat.StaticHtml(), caption, PLAYBACK_SPEED, recording, arm, views, load_mass)
+    animate(scene, shown.recording)
+    return make_page(
+        scene.meshcat.StaticHtml(),
+        shown.caption,
+        PLAYBACK_SPEED,
+        shown.recording,
+        shown.arm,
+        views,
+        shown.load_mass,
+        together=() if alone else [each.recording for each in together],
+    )
+
+
+def _write(file: Path, page: str) -> None:
     with replacement(Path(file)) as partial:
         partial.write_text(page, encoding="utf-8")
 

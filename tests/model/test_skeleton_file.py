@@ -2,6 +2,7 @@
 
 import random
 import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -55,19 +56,19 @@ WRONG = {
     "binary": (b"\xff\xfe\x00\x01", "not text"),
     "NUL": (b"\x00" * 100, "not valid XML"),
     "plain text": ("a skeleton", "not valid XML"),
-    "cut off": (URDF[:3000], "not valid XML in line 70"),
+    "cut off": (URDF[:3000], "not valid XML in line 76"),
     "two roots": (URDF + "<robot/>", "not valid XML"),
     "entities": ('<!DOCTYPE a [<!ENTITY b "cc">]>' + URDF.split("?>", 1)[1], "document type"),
     "deep": ("<a>" * 3000 + "</a>" * 3000, "XML_ELEMENT_DEPTH_EXCEEDED"),
     "no robot": ("<mujoco/>", "does not contain a robot tag"),
-    "mass is text": (edited('mass value="0.5819"', 'mass value="heavy"'), "line 93: .* got 'heavy'"),
-    "mass is NaN": (edited('mass value="0.5819"', 'mass value="nan"'), "line 93: .* got 'nan'"),
-    "mass is infinite": (edited('mass value="0.5819"', 'mass value="inf"'), "line 93: .* got 'inf'"),
-    "mass is negative": (edited('mass value="0.5819"', 'mass value="-1"'), "line 91: no body has this mass"),
-    "mass is 0": (edited('mass value="0.5819"', 'mass value="0"'), "line 91: no body has this mass"),
+    "mass is text": (edited('mass value="0.5819"', 'mass value="heavy"'), "line 81: .* got 'heavy'"),
+    "mass is NaN": (edited('mass value="0.5819"', 'mass value="nan"'), "line 81: .* got 'nan'"),
+    "mass is infinite": (edited('mass value="0.5819"', 'mass value="inf"'), "line 81: .* got 'inf'"),
+    "mass is negative": (edited('mass value="0.5819"', 'mass value="-1"'), "line 79: no body has this mass"),
+    "mass is 0": (edited('mass value="0.5819"', 'mass value="0"'), "line 79: no body has this mass"),
     "mass is huge": (edited('mass value="0.5819"', 'mass value="1e300"'), "no body has this mass"),
-    "inertia is negative": (edited('ixx="0.00011"', 'ixx="-1"'), "line 91: no body has this mass"),
-    "inertia breaks the triangle inequality": (edited('ixx="0.00011"', 'ixx="1"'), "line 91: no body has this mass"),
+    "inertia is negative": (edited('ixx="0.00011"', 'ixx="-1"'), "line 79: no body has this mass"),
+    "inertia breaks the triangle inequality": (edited('ixx="0.00011"', 'ixx="1"'), "line 79: no body has this mass"),
     "nothing has mass": (re.sub(r"(?s)<inertial>.*?</inertial>", "", URDF), "shoulder moves bodies .* 0 kg m.2"),
     "limits out of order": (edited(LIMIT, '<limit lower="3" upper="2"'), "lower limit is above its upper limit"),
     "limit is NaN": (edited(LIMIT, '<limit lower="nan" upper="2"'), r"line 1\d\d: .* got 'nan'"),
@@ -142,13 +143,14 @@ def test_two_joints_that_turn_the_same_bodies_about_the_same_axis_are_refused(ad
 def test_missing_and_damaged_meshes_are_refused_where_they_are_drawn(tmp_path):
     file = tmp_path / "skeleton.urdf"
     for mesh in ("a.obj", "package://nowhere/a.obj", "package://drake_models/a.obj", "http://localhost/a.obj"):
-        file.write_text(edited('<sphere radius="0.026"/>', f'<mesh filename="{mesh}"/>'))
+        file.write_text(edited('filename="scapula.obj"', f'filename="{mesh}"'))
         builder = DiagramBuilder()
-        with pytest.raises(ArmError, match=r"skeleton.urdf is refused by Drake: line 45"):
+        with pytest.raises(ArmError, match=r"skeleton.urdf is refused by Drake: line 18"):
             AddMuscleArm(builder, replace(ARM, skeleton=file), scene_graph=builder.AddSystem(SceneGraph()))
 
 
 def test_collision_shapes_change_nothing(tmp_path):
+    shutil.copytree(ARM.skeleton.parent, tmp_path, dirs_exist_ok=True)  # the meshes are beside the skeleton
     file = tmp_path / "skeleton.urdf"
     ball = '<collision><geometry><sphere radius="0.5"/></geometry></collision>'
     file.write_text(

@@ -13,7 +13,8 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
 from drakearm.model import Arm, MakeTorqueArm, load_arm
-from drakearm.systems.muscle_drawing import MuscleDrawing, activation_color, segment_pose, smooth_path, upright
+from drakearm.systems.muscle_drawing import MuscleDrawing, activation_color, segment_pose, upright
+from drakearm.systems.muscle_path import smooth_path
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
 
 PIECES, TENDON = 11, 2  # pieces per muscle, and those of the tendon at each end
