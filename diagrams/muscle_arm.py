@@ -12,6 +12,7 @@ from pydrake.systems.primitives import Adder
 
 from drakearm.model import Arm
 from drakearm.model.equilibrium import Equilibrium, find_equilibrium
+from drakearm.model.joint_stops import stop_strength
 from drakearm.model.musculature import RESTING_ACTIVATION, require_state
 from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.skeleton import add_skeleton, load_inertia, neutral_posture
@@ -90,10 +91,11 @@ def AddMuscleArm(
     """Adds plant, muscles and joint stops to a builder and connects them to each other.
 
     load_mass: kg, welded to the hand. variable_load: whether `MuscleArm.SetBody` can change it. stops: whether
-    JointStops keep the joints in the ranges of the skeleton file. time_step: s, of the muscles and stops; 0 makes them
-    continuous. scene_graph: where the shapes of the skeleton and of the obstacle are registered for drawing. obstacle:
-    only drawn, the arm passes through it. The plant is always continuous: simulate with `MakeSimulator`, or with an
-    integrator of your choice. Its default joint angles are 0, or as near to 0 as their ranges allow.
+    JointStops keep the joints in the ranges of the skeleton file, as strong as `stop_strength` says. time_step: s, of
+    the muscles and stops; 0 makes them continuous. scene_graph: where the shapes of the skeleton and of the obstacle
+    are registered for drawing. obstacle: only drawn, the arm passes through it. The plant is always continuous:
+    simulate with `MakeSimulator`, or with an integrator of your choice. Its default joint angles are 0, or as near to 0
+    as their ranges allow.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(time_step=0.0))
     if scene_graph is not None:
@@ -117,7 +119,7 @@ def AddMuscleArm(
     if stops:
         joint_stops = builder.AddNamedSystem(
             "stops",
-            JointStops(plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits(), time_step),
+            JointStops(plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits(), time_step, *stop_strength(arm)),
         )
         builder.Connect(plant.get_state_output_port(), joint_stops.GetInputPort("arm_state"))
         total = builder.AddNamedSystem("joint_torque", Adder(2, len(arm.coordinates)))

@@ -1,8 +1,8 @@
 """Ships the policies of a reproduction: copies those of the default method and the first seed into the package.
 
-First `drakearm reproduce all --out FOLDER`, then `python docs/make_policies.py FOLDER`. With the folder of
-`drakearm learn --out FOLDER` it ships that policy. `--quick` only checks that it works: it trains one movement briefly
-and copies its policy into a temporary folder.
+First `drakearm reproduce all --out FOLDER`, then `python docs/make_policies.py FOLDER`. With the folder of `drakearm
+learn --out FOLDER` or `drakearm run rat-swing --out FOLDER` it ships that policy. `--quick` only checks that it
+works: it trains one movement briefly and copies its policy into a temporary folder.
 """
 
 import argparse
@@ -37,9 +37,12 @@ def main() -> None:
         parser.error("expected the folder of a reproduction, or --quick")
     elif (options.folder / FILES["errors"]).exists():
         show([ship_repertoire(options.folder, POLICIES)])
+    elif RunFolder(options.folder).path("policy").exists():
+        show([ship(RunFolder(options.folder), POLICIES)])
     else:
-        trials = options.folder / "trials"
-        show([ship(RunFolder(trials / name / Method.default.name / "seed-0"), POLICIES) for name in scenario_files()])
+        reproduced = [name for name in scenario_files() if (options.folder / "trials" / name).is_dir()]
+        trials = [options.folder / "trials" / name / Method.default.name / "seed-0" for name in reproduced]
+        show([ship(RunFolder(trial), POLICIES) for trial in trials])
 
 
 def show(folders: list[Path]) -> None:

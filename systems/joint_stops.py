@@ -35,7 +35,8 @@ def JointStops_(T):
         generalized_force n_q    Nm          of the stops on the joints
         ================= ====== =========== =====================================
 
-        lower, upper: ends of the range (n_q,), rad; an infinite end has no stop. stiffness: Nm/rad. damping: Nm s/rad.
+        lower, upper: ends of the range (n_q,), rad; an infinite end has no stop. stiffness: Nm/rad, damping:
+        Nm s/rad, one number or (n_q,); see `stop_strength` for light limbs.
         time_step = 0: the torque follows arm_state continuously. time_step > 0 (s): every step computes the torque for
         the joint state that is expected at the middle of the step, and holds it during the step.
         """
@@ -45,16 +46,16 @@ def JointStops_(T):
             lower: np.ndarray,
             upper: np.ndarray,
             time_step: float = 1e-3,
-            stiffness: float = STOP_STIFFNESS,
-            damping: float = STOP_DAMPING,
+            stiffness: float | np.ndarray = STOP_STIFFNESS,
+            damping: float | np.ndarray = STOP_DAMPING,
             *,
             converter=None,
         ):
             LeafSystem_[T].__init__(self, converter)
             self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
             self.time_step = time_step
-            self.stiffness, self.damping = stiffness, damping
             n_q = len(self.lower)
+            self.stiffness, self.damping = (np.full(n_q, strength, dtype=float) for strength in (stiffness, damping))
             self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)
             if time_step > 0.0:
                 self.DeclareStateOutputPort("generalized_force", self.DeclareDiscreteState(n_q))
@@ -88,8 +89,8 @@ def JointStops_(T):
             if T is float:
                 tau = stop_torque(q, v, self.lower, self.upper, self.stiffness, self.damping)
             else:
-                joints = zip(q, v, self.lower, self.upper, strict=True)
-                torques = [joint_stop_torque.py_func(*x, self.stiffness, self.damping) for x in joints]
+                joints = zip(q, v, self.lower, self.upper, self.stiffness, self.damping, strict=True)
+                torques = [joint_stop_torque.py_func(*joint) for joint in joints]
                 tau = np.array([AutoDiffXd(0.0) + torque for torque in torques])
             output.SetFromVector(tau)
 

@@ -39,9 +39,9 @@ def import_limb(
         list[str] | None,
         typer.Option(
             "--lock",
-            help="A coordinate that does not move, and its value in degrees, or in m if it shifts. Give the option "
-            "again for another one.",
-            metavar="COORDINATE=DEG",
+            help="Coordinates that do not move, with commas between them, and their values in degrees, or in m if they "
+            "shift.",
+            metavar="COORDINATE=DEG,...",
             show_default=False,
         ),
     ] = None,
@@ -49,9 +49,9 @@ def import_limb(
         list[str] | None,
         typer.Option(
             "--freeze",
-            help="A joint of OpenSim, such as a knee, that shall only turn. What else it does stays as it is at this "
+            help="Joints of OpenSim, such as a knee, that shall only turn. What else they do stays as it is at this "
             "angle.",
-            metavar="JOINT=DEG",
+            metavar="JOINT=DEG,...",
             show_default=False,
         ),
     ] = None,
@@ -90,7 +90,7 @@ def import_limb(
 
 def _values(texts: list[str] | None, option: str) -> dict[str, float]:
     values = {}
-    for text in texts or ():
+    for text in (part for several in texts or () for part in several.split(",")):
         name, _, number = text.partition("=")
         value = _number(number)
         if not name or value is None:

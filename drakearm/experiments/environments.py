@@ -25,8 +25,9 @@ def make_env(scenario: str | Path, reference: Reference | None = None, render_mo
     """The environment of a scenario (name or file): a Drake Diagram in which the muscles follow a planned movement.
 
     `gymnasium.make("drakearm/Track-v0", scenario=...)` makes it. reference: the movement to follow; without one, the
-    scenario is planned. The tables are for scenarios with the arm `arm14`, as all shipped ones are. The muscles are, in
-    this order: TRIlong, TRIlat, TRImed, BIClong, BICshort, BRA, ANC, BRD, ECRL, ECRB, ECU, FCR, FCU, PL.
+    scenario is planned. The tables are for the scenarios of the paper, whose arm is `arm14`. Another limb has its own
+    muscles and joints in their place. The muscles are, in this order: TRIlong, TRIlat, TRImed, BIClong, BICshort, BRA,
+    ANC, BRD, ECRL, ECRB, ECU, FCR, FCU, PL.
 
     Action: `Box(0, 1, (14,), float32)`, held for one control step of 0.01 s.
 
@@ -61,14 +62,14 @@ def make_env(scenario: str | Path, reference: Reference | None = None, render_mo
 
     Fiber velocities are positive if the fiber lengthens. The limits of q are the joint ranges; the stops there are
     elastic, so q can exceed them slightly. The limits of desired q and v are those of the plan: the joint ranges, and
-    the `speed_limit` of the shipped scenarios, 15 rad/s.
+    the `speed_limit` of these scenarios, 15 rad/s.
 
     Reward: a number, at most 0, computed from the angles q, speeds v and accelerations a of all joints j at the end of
     the step, with the weights of `tracking.reward` in the scenario (Denizdurduran et al. 2022, eq. 6):
 
         reward = -sum_j (position_j (q_d,j - q_j)^2 + velocity_j (v_d,j - v_j)^2 + acceleration_j a_j^2)
 
-    | weight       | shipped scenarios | unit      |
+    | weight       | these scenarios   | unit      |
     |--------------|-------------------|-----------|
     | position     | 10                | 1/rad^2   |
     | velocity     | 0.1               | s^2/rad^2 |

@@ -1,4 +1,4 @@
-"""Scenarios: YAML files that say which movement to plan and how to learn it. drakearm ships those of the paper."""
+"""Scenarios: YAML files that say which movement to plan and how to learn it. drakearm ships some."""
 
 import os
 from collections.abc import Mapping

@@ -38,7 +38,6 @@ from drakearm.figures.style import (
     literal_text,
     save_picture,
 )
-from drakearm.planning.feasibility import NEGLIGIBLE
 from drakearm.planning.plan_report import PlanReport
 
 _NEAR = 0.15  # of the height of a panel: limits that are farther away than this are written but not drawn
@@ -112,7 +111,7 @@ def _draw_torques(panel: Axes, report: PlanReport) -> list[Artist]:
     _finish(panel, "joint torques", "torque (Nm)", limits)
     lacks: list[Artist] = []
     for j, name in enumerate(feasibility.coordinates):
-        lack = np.where(np.abs(feasibility.reserve[:, j]) > NEGLIGIBLE, feasibility.reserve[:, j], 0.0)
+        lack = np.where(np.abs(feasibility.reserve[:, j]) > feasibility.negligible, feasibility.reserve[:, j], 0.0)
         if lack.any():
             area = panel.fill_between(feasibility.t, torques[:, j] - lack, torques[:, j])
             color = joint_line(j)["color"]
@@ -194,7 +193,7 @@ def _draw_activations(figure: Figure, place: SubplotSpec, report: PlanReport) ->
     panel = figure.add_subplot(raster)
     image = draw_raster(panel, feasibility.t, feasibility.activation, report.arm)
     label_roles(panel, report.arm)
-    lacking = np.abs(feasibility.reserve).max(axis=1) > NEGLIGIBLE
+    lacking = np.abs(feasibility.reserve).max(axis=1) > feasibility.negligible
     title = "activations needed"
     if lacking.any():
         above = panel.get_xaxis_transform()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drakearm.errors import ImportingError, did_you_mean, shown
+from drakearm.errors import ImportingError, PathError, did_you_mean, shown
 from drakearm.importing.links import Link, make_links
 from drakearm.importing.selection import Selection, select
 from drakearm.importing.source import GROUND, Program, SourceModel, SourceMuscle
@@ -128,7 +128,10 @@ def _fit(
 
     lower, upper = np.array(list(limits.values())).T
     sampler: PathSampler = lengthened
-    return fit_paths(sampler, names, list(limits), lower, upper, neutral, search=_SEARCH)
+    try:
+        return fit_paths(sampler, names, list(limits), lower, upper, neutral, search=_SEARCH)
+    except PathError as error:
+        raise ImportingError(f"{error} Lock one of them with --lock.") from error
 
 
 def _frames(

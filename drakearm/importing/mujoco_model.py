@@ -87,15 +87,13 @@ class MujocoProgram:
             else:
                 notes.append(f"the equality constraint {loaded.eq(i).name or i}")
         coordinates = {name: self._coordinate(name, i, follows.get(name, "")) for name, i in self._joints.items()}
-        for name, i in self._joints.items():
-            address = loaded.jnt_dofadr[i]
-            for what, values in (("damping", loaded.dof_damping), ("friction", loaded.dof_frictionloss)):
-                if values[address] != 0.0:
-                    notes.append(f"the {what} {np.max(values[address]):g} of the joint {name}")
-            if loaded.dof_armature[address] != 0.0:
-                notes.append(f"the armature {loaded.dof_armature[address]:g} of the joint {name}")
-            if np.any(loaded.jnt_stiffness[i] != 0.0):
-                notes.append(f"the stiffness {np.max(loaded.jnt_stiffness[i]):g} of the joint {name}")
+        kinds = {
+            "damping": loaded.dof_damping,
+            "friction": loaded.dof_frictionloss,
+            "armature": loaded.dof_armature,
+            "stiffness": loaded.jnt_stiffness,
+        }
+        notes += [f"{kind} of joints, up to {np.max(v):g} (SI)" for kind, v in kinds.items() if np.any(v != 0.0)]
         muscles, lost = read_muscles(mujoco, loaded, self._data, self._actuators, self._body_name)
         bodies = [self._body(i) for i in range(1, loaded.nbody)]
         name = loaded.names[: loaded.names.index(b"\0")].decode() or file.stem

@@ -22,18 +22,19 @@ def read_muscles(
     mujoco: Any, loaded: Any, data: Any, actuators: Mapping[str, int], body_name: Callable[[int], str]
 ) -> tuple[tuple[SourceMuscle, ...], list[str]]:
     """The muscles of a model at its present posture, and what is left out of its actuators, in words."""
-    muscles, lost = [], []
+    muscles, others, without_tendon = [], [], []
     for name, i in actuators.items():
         if loaded.actuator_gaintype[i] != mujoco.mjtGain.mjGAIN_MUSCLE:
-            lost.append(f"the actuator {name}, which is no muscle")
+            others.append(name)
         elif loaded.actuator_trntype[i] != mujoco.mjtTrn.mjTRN_TENDON:
-            lost.append(f"the muscle {name}: expected one on a tendon")
+            without_tendon.append(name)
         else:
             tendon = loaded.actuator_trnid[i, 0]
             points, bodies = _path(mujoco, loaded, tendon, body_name)
             fields, extra, notes = _fields(mujoco, loaded, i)
             muscles.append(SourceMuscle(name, fields, points, bodies, notes, extra))
-    return tuple(muscles), lost
+    lost = {"actuators that are no muscles": others, "muscles that pull on no tendon": without_tendon}
+    return tuple(muscles), [f"{what}: {', '.join(names)}" for what, names in lost.items() if names]
 
 
 def _fields(mujoco: Any, loaded: Any, i: int) -> tuple[dict[str, Any], float, tuple[str, ...]]:
@@ -70,16 +71,13 @@ def _fields(mujoco: Any, loaded: Any, i: int) -> tuple[dict[str, Any], float, tu
         "model": "thelen2003",
         "tendon": "rigid",
     }
-    notes = [
-        f"MuJoCo's curves (lmin {shortest:g}, lmax {longest:g}, vmax {speed:g}, fvmax {eccentric:g}, fpmax "
-        f"{bias[7]:g}): thelen2003 with similar ones is used"
-    ]
+    notes = ["the curves of MuJoCo: thelen2003 with similar ones is used"]
     if extra > 0.0:
         notes.append(
             f"a tendon of {1e3 * slack:.3g} mm: tendon and path are longer by {1e3 * extra:.3g} mm, fibers not"
         )
     if loaded.actuator_dynprm[i, 2] != 0.0:
-        notes.append(f"the smoothing {loaded.actuator_dynprm[i, 2]:g} of activation")
+        notes.append(f"the smoothing of activation, tausmooth {loaded.actuator_dynprm[i, 2]:g}")
     return fields, float(extra), tuple(notes)
 
 

@@ -1,5 +1,6 @@
 """The numbers of OpenSim's muscles, as drakearm's muscles have them."""
 
+from collections import defaultdict
 from typing import Any
 
 from drakearm.importing.opensim_file import base_name, base_pose, items
@@ -42,19 +43,20 @@ _LEAST_ACTIVATION = 1e-4
 
 def read_muscles(osim: Any, loaded: Any, state: Any) -> tuple[tuple[SourceMuscle, ...], list[str]]:
     """The muscles of a model at its present posture, and what is left out of the model's forces, in words."""
-    muscles, lost = [], []
+    muscles = []
+    lost = defaultdict(list)  # class, and what is wrong with it -> names
     for force in items(loaded.getForceSet()):
         name, kind = force.getName(), force.getConcreteClassName()
         muscle = osim.Muscle.safeDownCast(force)
         if muscle is None:
-            lost.append(f"the force {name} ({kind})")
+            lost[kind].append(name)
         elif kind not in _OWN:
-            lost.append(f"the muscle {name} ({kind}): expected one of {', '.join(_OWN)}")
+            lost[f"muscles of the class {kind}, where {', '.join(_OWN)} were expected"].append(name)
         elif not force.get_appliesForce():
-            lost.append(f"the muscle {name}: the file says that it applies no force")
+            lost["muscles that apply no force, as the file says"].append(name)
         else:
             muscles.append(_read(osim, muscle, kind, state))
-    return tuple(muscles), lost
+    return tuple(muscles), [f"{what}: {', '.join(names)}" for what, names in lost.items()]
 
 
 def _read(osim: Any, muscle: Any, kind: str, state: Any) -> SourceMuscle:

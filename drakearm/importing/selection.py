@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from drakearm.errors import ImportingError, did_you_mean
-from drakearm.importing.source import GROUND, Joint, SourceModel
+from drakearm.importing.source import GROUND, Coordinate, Joint, SourceModel
 
 _MOST_COORDINATES = 4
 _WIDEST = 2.0 * math.pi  # rad: limits beyond are no limits
@@ -41,16 +41,17 @@ def select(model: SourceModel, only: Iterable[str], locks: Mapping[str, float]) 
     moved = [joint.child for joint in joints]
     roots = tuple(body for body in kept if body not in moved)
     notes = [f"{body} is fixed in the world, because its parent is not kept" for body in roots if body != GROUND]
-    limits = {}
-    for joint in joints:
-        for name in joint.coordinates:
-            coordinate = model.coordinates[name]
-            if name in locks or coordinate.locked:
-                value = locks.get(name, coordinate.default)
-                degrees = f"{math.degrees(value):g} degrees" if coordinate.kind == "rotation" else f"{value:g} m"
-                notes.append(f"{name} is locked at {degrees}" + (", as in the file" if name not in locks else ""))
-                continue
-            limits[name] = _limits(model, name, notes)
+    moving = []
+    for name in (name for joint in joints for name in joint.coordinates):
+        coordinate = model.coordinates[name]
+        if name in locks or coordinate.locked:
+            value = locks.get(name, coordinate.default)
+            degrees = f"{math.degrees(value):g} degrees" if coordinate.kind == "rotation" else f"{value:g} m"
+            notes.append(f"{name} is locked at {degrees}" + (", as in the file" if name not in locks else ""))
+        else:
+            moving.append(coordinate)
+    _require_rotations(moving)
+    limits = {coordinate.name: _limits(coordinate, notes) for coordinate in moving}
     if not 0 < len(limits) <= _MOST_COORDINATES:
         raise ImportingError(
             f"{model.name} has {len(limits)} coordinates that move{_listed(limits)}: expected 1 to "
@@ -86,19 +87,24 @@ def _in_order(model: SourceModel, kept: tuple[str, ...]) -> list[Joint]:
     return ordered
 
 
-def _limits(model: SourceModel, name: str, notes: list[str]) -> tuple[float, float]:
-    coordinate = model.coordinates[name]
-    if coordinate.follows:
+def _require_rotations(coordinates: list[Coordinate]) -> None:
+    """Raises ImportingError, which names all coordinates that have the same problem."""
+    if followers := [f"{c.name} follows {c.follows}" for c in coordinates if c.follows]:
         raise ImportingError(
-            f"The coordinate {name} follows {coordinate.follows}, to which a constraint couples it: lock it with "
-            f"--lock {name}=DEG, or leave its body out with --only."
+            f"Constraints couple coordinates ({', '.join(followers)}): lock those that follow with --lock, or leave "
+            "their bodies out with --only."
         )
-    if coordinate.kind != "rotation":
-        cure = f"lock it with --lock {name}=METERS, or " if coordinate.kind == "translation" else ""
+    for kind in (c.kind for c in coordinates if c.kind != "rotation"):
+        names = ", ".join(c.name for c in coordinates if c.kind == kind)
+        cure = "lock them with --lock COORDINATE=METERS, or " if kind == "translation" else ""
         raise ImportingError(
-            f"The coordinate {name} is a {coordinate.kind}: expected rotations about one axis. Please {cure}leave its "
-            "joint out with --only: a body whose parent is not kept is fixed in the world."
+            f"Not a rotation about one axis, but a {kind}: {names}. Please {cure}leave the joints out with --only: a "
+            "body whose parent is not kept is fixed in the world."
         )
+
+
+def _limits(coordinate: Coordinate, notes: list[str]) -> tuple[float, float]:
+    name = coordinate.name
     lower, upper = max(coordinate.lower, -_WIDEST), min(coordinate.upper, _WIDEST)
     if not lower < upper:
         raise ImportingError(f"The range of {name} is {coordinate.lower:g} to {coordinate.upper:g} rad: it is empty.")

@@ -16,7 +16,7 @@ import numpy as np
 from drakearm.model import Arm
 from drakearm.model.dynamics import DynamicsLanes, forward_dynamics_lanes, make_dynamics_lanes
 from drakearm.model.dynamics_table import DynamicsTable
-from drakearm.model.joint_stops import STOP_DAMPING, STOP_STIFFNESS, joint_stop_torque
+from drakearm.model.joint_stops import joint_stop_torque, stop_strength
 from drakearm.model.muscle_lanes import MuscleLanes, make_muscle_lanes, muscle_kinds, step_muscle_lanes
 from drakearm.muscle.compiled import compiled, fma
 
@@ -43,8 +43,8 @@ class ArmTables(NamedTuple):
     gravity_coefficient: np.ndarray  # (blocks, G, lanes), of the G gravity terms in each arm
     lower: np.ndarray  # (n_q,) rad, lower ends of the joints' ranges, where the stops begin
     upper: np.ndarray  # (n_q,) rad, upper ends
-    stiffness: float  # Nm/rad, of the stops
-    damping: float  # Nm s/rad, of the stops
+    stiffness: np.ndarray  # (n_q,) Nm/rad, of the stops
+    damping: np.ndarray  # (n_q,) Nm s/rad, of the stops
 
 
 class Work(NamedTuple):
@@ -61,8 +61,7 @@ class CompiledArms:
     """The states of N arms, and `step`, which advances them. All have the same muscles; each has its own skeleton.
 
     dynamics: the stacked table of the skeletons, see `stack_dynamics`. count: N.
-    lower, upper: (n_q,), rad, the ends of the joints' ranges. The stops there are as stiff and as damped as the default
-    ones of `JointStops`.
+    lower, upper: (n_q,), rad, the ends of the joints' ranges. The stops there are as strong as `stop_strength` says.
     """
 
     def __init__(self, arm: Arm, dynamics: DynamicsTable, count: int, lower: np.ndarray, upper: np.ndarray):
@@ -82,8 +81,7 @@ class CompiledArms:
             self._to_lanes(dynamics.gravity_coefficient.reshape(count, -1)),
             lower,
             upper,
-            STOP_STIFFNESS,
-            STOP_DAMPING,
+            *stop_strength(arm),
         )
         self._work = Work(
             make_muscle_lanes(n, arm.path_table, n_q, lanes),
@@ -177,8 +175,9 @@ def step_arms(state, excitation, steps, time_step, tables, work):
                 step_muscle_lanes(muscle_state, tau, u, x, time_step, muscles, strong, paths, muscle_work, *kinds)
                 for j in range(n_q):
                     for k in range(lanes):
-                        q = fma(0.5 * time_step, x[n_q + j, k], x[j, k])
-                        tau[j, k] += joint_stop_torque(q, x[n_q + j, k], lower[j], upper[j], stiffness, damping)
+                        v = x[n_q + j, k]
+                        q = fma(0.5 * time_step, v, x[j, k])
+                        tau[j, k] += joint_stop_torque(q, v, lower[j], upper[j], stiffness[j], damping[j])
             at, acceleration_at = (x, a) if starts else (later_x, later_a)
             for j in range(n_q):
                 for k in range(lanes):

@@ -14,14 +14,13 @@ from drakearm.model.musculature import (
     resting_state,
 )
 from drakearm.model.skeleton import gravity_torque, neutral_posture, skeleton_plant
-from drakearm.model.static_optimization import static_activations, steady_force
+from drakearm.model.static_optimization import negligible_reserve, static_activations, steady_force
 from drakearm.model.torque_arm import MakeTorqueArm
 from drakearm.muscle.compiled import compiled
 
 _ITERATIONS = 20  # of Newton's method at most; it usually needs three
 _EXACT = 1e-10  # Nm, error of the torques
 _ROUNDING = 1e-6  # error of the torques, over what the muscles exert with and against each other
-_NEGLIGIBLE = 0.01  # Nm, reserve torque of static optimization up to which the muscles count as strong enough
 
 
 class Equilibrium(NamedTuple):
@@ -60,7 +59,7 @@ def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilib
     equilibrium_fiber_lengths(arm, q[None, :], lowest)
     torque = gravity_torque(MakeTorqueArm(arm, load_mass), q)
     activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), np.eye(len(q)), muscles, paths)
-    if not np.abs(reserve).max() <= _NEGLIGIBLE:
+    if not np.abs(reserve).max() <= negligible_reserve(q, muscles, paths):
         raise _too_weak(arm, q, reserve, torque)
     length, moment_arm = muscle_geometry(q, muscles, paths)
     for _ in range(_ITERATIONS):

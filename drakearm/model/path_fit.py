@@ -5,6 +5,7 @@ B-splines of two or three coordinates. Wrapping that changes sides makes lengths
 arms and most of the lengths, so that the fitted path is smooth, and the jumps are reported.
 """
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,10 +17,12 @@ from drakearm.errors import PathError
 from drakearm.model.path_samples import Jump, PathSampler, find_components, find_jumps, sample_grid
 from drakearm.model.spline_fit import Grid, Limits, basis, fit_on_grid
 
+_TYPICAL = 0.05  # m: the largest moment arm of a limb for which the lengths below are meant
 _TOLERANCE = 2e-5  # m, of moment arms
 _COUPLING = 1e-5  # m: of a moment arm by another coordinate, below which it is ignored
 _SAMPLES = {1: 257, 2: 65, 3: 21}  # per coordinate, by the number of coordinates
 _LIMITS = {1: Limits(67, 1 / 64), 2: Limits(256, 1 / 32), 3: Limits(1000, 1 / 8)}
+_LOOKS = 50  # postures, to find the largest moment arm
 _CHECKS = 500  # postures
 _NEAR = 25  # of them, those that set the level of a length that jumps
 
@@ -32,9 +35,10 @@ class FittedTerm(NamedTuple):
     coefficients: np.ndarray  # the first index belongs to the first coordinate
 
     def fields(self) -> dict[str, Any]:
-        """The term as a muscle's `path` in a muscles.yaml has it, with knots to 1e-8 rad and coefficients to 1e-9 m."""
+        """The term as `path` in a muscles.yaml has it, with knots to 1e-8 rad and coefficients of 9 digits."""
         knots = [np.round(knots, 8).tolist() for knots in self.knots]
-        coefficients = np.round(self.coefficients, 9).tolist()
+        digits = 8 - math.floor(math.log10(np.abs(self.coefficients).max() or 1.0))
+        coefficients = np.round(self.coefficients, digits).tolist()
         if len(knots) == 1:
             return {"coordinate": self.coordinates[0], "knots": knots[0], "coefficients": coefficients}
         return {"coordinates": list(self.coordinates), "knots": knots, "coefficients": coefficients}
@@ -57,6 +61,9 @@ class Error(NamedTuple):
     largest: float
     median: float
 
+    def scaled(self, factor: float) -> "Error":
+        return Error(factor * self.largest, factor * self.median)
+
 
 @dataclass(frozen=True)
 class PathFit:
@@ -68,6 +75,16 @@ class PathFit:
     moment_arm_error: dict[str, Error]  # of the coordinates that move the muscle
     jumps: tuple[Jump, ...]
 
+    def scaled(self, factor: float) -> "PathFit":
+        """The fit of a limb that is larger by a factor."""
+        return PathFit(
+            self.muscle,
+            tuple(term._replace(coefficients=factor * term.coefficients) for term in self.terms),
+            self.length_error.scaled(factor),
+            {name: error.scaled(factor) for name, error in self.moment_arm_error.items()},
+            tuple(jump._replace(size=factor * jump.size) for jump in self.jumps),
+        )
+
 
 def fit_paths(
     sample: PathSampler,
@@ -76,7 +93,6 @@ def fit_paths(
     lower: np.ndarray,
     upper: np.ndarray,
     reference: np.ndarray | None = None,
-    tolerance: float = _TOLERANCE,
     search: int = 1,
 ) -> list[PathFit]:
     """Fits the paths of muscles within lower..upper (rad) of each coordinate, and measures the errors.
@@ -84,11 +100,33 @@ def fit_paths(
     sample: lengths and moment arms at many postures, see `PathSampler`; `with_differences` makes one from lengths.
     Samples may be NaN where a path cannot be computed. The same samples give the same fit.
     reference: the posture (rad) near which lengths that jump elsewhere are right; by default the middle of the range.
-    tolerance: of moment arms (m); the fit is less accurate where it would need too many coefficients.
     search: how many times as many samples as for the fit are searched for jumps, along single coordinates.
+
+    A leg of an insect is fitted like that of a person: the tolerances are fractions of the largest moment arm. The fit
+    is less accurate where it would need too many coefficients.
 
     Raises PathError for a length that is not a sum of functions of at most three coordinates, or is never a number.
     """
+    arms = sample(np.random.default_rng(2).uniform(lower, upper, (_LOOKS, len(lower))))[1]
+    scale = _TYPICAL / (np.median(np.nan_to_num(np.abs(arms)), axis=0).max() or _TYPICAL)
+
+    def scaled(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        length, arms = sample(q)
+        return scale * length, scale * arms
+
+    fits = _fit_typical(scaled, muscles, coordinates, lower, upper, reference, search)
+    return [fit.scaled(1.0 / scale) for fit in fits]
+
+
+def _fit_typical(
+    sample: PathSampler,
+    muscles: Sequence[str],
+    coordinates: Sequence[str],
+    lower: np.ndarray,
+    upper: np.ndarray,
+    reference: np.ndarray | None,
+    search: int,
+) -> list[PathFit]:
     center = 0.5 * (lower + upper)
     groups = find_components(sample, lower, upper, _COUPLING)
     members = defaultdict(list)  # group of coordinates -> muscles
@@ -116,7 +154,7 @@ def fit_paths(
             values, slopes = grid.values[::every, chosen] - start[chosen], grid.slopes[::every, chosen]
             own = Grid([axis[::every] for axis in axes], values, slopes)
             robust = np.array([any(jump.coordinate in group for jump in jumps[i]) for i in chosen])
-            knots, coefficients = fit_on_grid(own, robust, tolerance, _LIMITS[len(group)])
+            knots, coefficients = fit_on_grid(own, robust, _TOLERANCE, _LIMITS[len(group)])
             for k, i in enumerate(chosen):
                 terms[i].append(FittedTerm(names, tuple(knots), coefficients[..., k]))
     q = np.random.default_rng(1).uniform(lower, upper, (_CHECKS, len(lower)))

@@ -20,12 +20,15 @@ from drakearm.muscle.contraction import (
     tendon_force,
 )
 
-RESERVE_WEIGHT = 1e4  # 1/(Nm)^2, of squared reserve torques, where squared activations have weight 1
+RESERVE_WEIGHT = 1e4  # 1/torque_unit^2, of squared reserve torques, where squared activations have weight 1
+NEGLIGIBLE = 0.01  # Nm, reserve torque up to which the muscles count as strong enough
+_WEAK = 20.0  # Nm, the sum of what all muscles can exert, below which a limb is weak; in arm14 it is 90 or more
+_LEAST = 1e-15  # Nm, less than any limb exerts
 _ROUNDS = 20  # at most; each linearizes the muscles once
 _SETTLED = 1e-4  # change of the activations in the last round; the remaining error is about its square
 _GUESSED_STRAIN = 0.02  # of tendons, for the first guess of the fiber lengths
 _DUAL_STEPS = 50
-_DUAL_TOLERANCE = 1e-7  # Nm
+_DUAL_TOLERANCE = 1e-7  # torque_unit
 
 
 @inner
@@ -71,10 +74,10 @@ def steady_force(activation, mtu_length, mtu_speed, guess, m):
 def _smallest_controls(gain, desired, lower, x):
     """Writes the x (n,) in [lower, 1] with the least |x|^2 + RESERVE_WEIGHT |desired - x gain|^2.
 
-    gain: (n, n_q). desired: (n_q,). The method is Newton's on the dual problem, in which only n_q numbers p are
-    unknown: x = clip(gain p, lower, 1), and p is RESERVE_WEIGHT times the weighted reserve torque. The dual cost is
-    convex and its gradient is piecewise linear. Steps are halved until they do not overshoot, so the method converges
-    from every start.
+    gain: (n, n_q), desired: (n_q,), both in `torque_unit`. The method is Newton's on the dual problem, in which only
+    n_q numbers p are unknown: x = clip(gain p, lower, 1), and p is RESERVE_WEIGHT times the weighted reserve torque.
+    The dual cost is convex and its gradient is piecewise linear. Steps are halved until they do not overshoot, so the
+    method converges from every start.
 
     Matrix products are written as loops. BLAS would give last bits that depend on the position of the arrays in memory.
     """
@@ -135,6 +138,26 @@ def _dot(x, y):
 
 
 @compiled
+def torque_unit(moment_arm, muscles):
+    """The unit of torque (Nm) in static optimization: 1 Nm, but less in a weak limb, like that of a small animal.
+
+    moment_arm: (n, n_q), m. In a fixed unit, the torques of such a limb would count less than its activations.
+    """
+    total = 0.0
+    for i in range(len(muscles)):
+        largest = 0.0
+        for j in range(moment_arm.shape[1]):
+            largest = max(largest, abs(moment_arm[i, j]))
+        total += muscles[i].max_isometric_force * largest
+    return min(max(total / _WEAK, _LEAST), 1.0)
+
+
+def negligible_reserve(q: np.ndarray, muscles: np.ndarray, paths: np.ndarray) -> float:
+    """The reserve torque (Nm) up to which muscles count as strong enough at q (n_q,), rad: NEGLIGIBLE `torque_unit`."""
+    return NEGLIGIBLE * float(torque_unit(muscle_geometry(q, muscles, paths)[1], muscles))
+
+
+@compiled
 def static_activations(q, v, tau, guess, weighting, muscles, paths):
     """Activations (n,) with the least sum of squares that exert joint torques tau (n_q,), Nm; and the reserve torques.
 
@@ -147,6 +170,7 @@ def static_activations(q, v, tau, guess, weighting, muscles, paths):
     """
     n, n_q = len(muscles), len(q)
     length, moment_arm = muscle_geometry(q, muscles, paths)
+    unit = torque_unit(moment_arm, muscles)
     lower, fiber = np.empty(n), np.empty(n)
     for i in range(n):
         lower[i] = muscles[i].minimum_activation
@@ -157,14 +181,15 @@ def static_activations(q, v, tau, guess, weighting, muscles, paths):
     weighted_gain, weighted_desired = np.empty((n, n_q)), np.empty(n_q)
     desired, reserve = np.empty(n_q), np.empty(n_q)
     for _ in range(_ROUNDS):
-        reserve[:] = tau
+        for j in range(n_q):
+            reserve[j] = tau[j] / unit
         desired[:] = 0.0
         for i in range(n):
             speed = mtu_velocity(i, moment_arm, v)
             force, slope, fiber[i] = steady_force(a[i], length[i], speed, fiber[i], muscles[i])
             for j in range(n_q):
-                reserve[j] -= moment_arm[i, j] * force
-                gain[i, j] = moment_arm[i, j] * slope
+                reserve[j] -= moment_arm[i, j] * force / unit
+                gain[i, j] = moment_arm[i, j] * slope / unit
                 desired[j] += a[i] * gain[i, j]
         for j in range(n_q):
             weighted_desired[j] = 0.0
@@ -184,7 +209,7 @@ def static_activations(q, v, tau, guess, weighting, muscles, paths):
             a[i] = later[i]
         if largest < _SETTLED:
             break
-    return a, reserve
+    return a, reserve * unit
 
 
 @compiled

@@ -7,9 +7,7 @@ import numpy as np
 from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.reference import Reference
 from drakearm.model.skeleton import movement_torques
-from drakearm.model.static_optimization import static_activations
-
-NEGLIGIBLE = 0.01  # Nm, reserve torque that does not count
+from drakearm.model.static_optimization import negligible_reserve, static_activations
 
 
 @dataclass(frozen=True)
@@ -17,7 +15,8 @@ class Feasibility:
     """What a movement requires of the muscles, at times t (N,), s.
 
     activation: (N, n), those with the least sum of squares. required: the joint torques (N, n_q), Nm, that the movement
-    takes. reserve: the part of them (N, n_q), Nm, that the muscles cannot exert.
+    takes. reserve: the part of them (N, n_q), Nm, that the muscles cannot exert. negligible: Nm, a reserve that does
+    not count.
     """
 
     coordinates: tuple[str, ...]
@@ -25,11 +24,12 @@ class Feasibility:
     activation: np.ndarray
     required: np.ndarray
     reserve: np.ndarray
+    negligible: float
 
     @property
     def feasible(self) -> bool:
         """Whether the muscles are strong and quick enough for every sample."""
-        return bool(np.abs(self.reserve).max() <= NEGLIGIBLE)
+        return bool(np.abs(self.reserve).max() <= self.negligible)
 
     @property
     def verdict(self) -> str:
@@ -59,4 +59,5 @@ def muscle_feasibility(arm: Arm, reference: Reference, load_mass: float = 0.0) -
             q[k], v[k], required[k], guess, weighting, arm.muscle_table, arm.path_table
         )
         guess = activation[k]
-    return Feasibility(arm.coordinates, reference.t, activation, required, reserve)
+    negligible = negligible_reserve(q[0], arm.muscle_table, arm.path_table)
+    return Feasibility(arm.coordinates, reference.t, activation, required, reserve, negligible)

@@ -14,9 +14,9 @@ from drakearm.files.arrays import Layout, load_arrays, save_arrays
 from drakearm.model.arm import Arm
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.model.skeleton import gravity_torque
-from drakearm.model.static_optimization import static_activations
+from drakearm.model.static_optimization import negligible_reserve, static_activations
 from drakearm.model.torque_arm import MakeTorqueArm
-from drakearm.planning.feasibility import NEGLIGIBLE, muscle_feasibility
+from drakearm.planning.feasibility import muscle_feasibility
 from drakearm.planning.movement_source import MovementSource
 from drakearm.planning.planner import plan
 
@@ -110,8 +110,9 @@ def _can_rest(arm: Arm, q: np.ndarray, load_mass: float) -> bool:
     n, n_q = len(arm.muscles), len(arm.coordinates)
     torque = load_mass * _gravity(arm, q, 1.0) + (1.0 - load_mass) * _gravity(arm, q, 0.0)  # linear in the load
     start, weighting = np.full(n, 0.1), np.eye(n_q)
-    _, reserve = static_activations(q, np.zeros(n_q), torque, start, weighting, arm.muscle_table, arm.path_table)
-    return bool(np.abs(reserve).max() <= NEGLIGIBLE)
+    muscles, paths = arm.muscle_table, arm.path_table
+    _, reserve = static_activations(q, np.zeros(n_q), torque, start, weighting, muscles, paths)
+    return bool(np.abs(reserve).max() <= negligible_reserve(q, muscles, paths))
 
 
 def _gravity(arm: Arm, q: np.ndarray, load_mass: float) -> np.ndarray:

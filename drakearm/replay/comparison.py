@@ -7,12 +7,13 @@ import html
 import re
 from string import Template
 
+from drakearm.model import Arm
 from drakearm.replay.page import POLICY, as_json, make_controls, part
 
 _LIBRARY = re.compile(r"<body[^>]*>.*?<script[^>]*>(.*?)</script>", re.DOTALL)  # the first script of Meshcat's page
 
 
-def make_comparison(halves: tuple[str, str], titles: tuple[str, str], seconds: float) -> str:
+def make_comparison(halves: tuple[str, str], titles: tuple[str, str], arms: tuple[Arm, Arm], seconds: float) -> str:
     """A page from two pages of `make_page`, which have no controls. seconds: of the longer movement."""
     pages, libraries = zip(*map(_without_library, halves), strict=True)
     assert libraries[0] == libraries[1]
@@ -22,7 +23,7 @@ def make_comparison(halves: tuple[str, str], titles: tuple[str, str], seconds: f
         title=html.escape(" and ".join(titles)),
         left=html.escape(titles[0]),
         right=html.escape(titles[1]),
-        controls=make_controls(seconds),
+        controls=make_controls(seconds, arms),
         library=libraries[0],
         pages=as_json(pages),
         script=part("comparison.js") + part("controls.js"),

@@ -25,6 +25,7 @@
   const set_playing = value => {
     playing = value;
     play_button.textContent = playing ? "Pause" : "Play";
+    for (const scene of scenes) scene.set_moving(playing);
   };
   const seek = value => {
     set_playing(false);
@@ -76,6 +77,7 @@
     scenes = ready;
     for (const each of new Set([window, ...all])) each.addEventListener("keydown", obey_key, true);
     show_view("oblique");
+    set_playing(playing);
     seek_address();
     show();
     requestAnimationFrame(tick);

@@ -43,15 +43,9 @@
   };
   window.addEventListener("resize", () => show_view(view_name));
 
-  // Light or dark.
+  // Light or dark: the pen of the strip has the color of the text.
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  const set_background = () => {
-    const [top, bottom] = dark.matches ? [[0.13, 0.15, 0.18], [0.08, 0.09, 0.11]] : [[1, 1, 1], [0.9, 0.92, 0.95]];
-    viewer.set_property(["Background", "<object>"], "top_color", top);
-    viewer.set_property(["Background", "<object>"], "bottom_color", bottom);
-    draw_strip();
-  };
-  dark.addEventListener("change", set_background);
+  dark.addEventListener("change", () => draw_strip());
 
   // The strip: angles against the reference, one row of color per muscle, and a line at the present time.
   const canvas = document.querySelector("#replay-strip canvas"), still = document.createElement("canvas");
@@ -158,8 +152,8 @@
       if (shape.isMesh) muscle_of.set(shape, m);
     }));
     animator.pause(); // the clock of the controls moves it
-    set_background();
+    draw_strip();
     follow();
-    done({ show, show_view });
+    done({ show, show_view, set_moving });
   })));
 }

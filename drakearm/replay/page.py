@@ -17,7 +17,7 @@ from pydrake.geometry import Rgba
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
 from drakearm.replay.movement import Caption, duration
-from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, TARGET_COLOR, TARGET_RADIUS, View
+from drakearm.replay.scene import GHOST_COLOR, PATH_COLOR, TARGET_COLOR, TARGET_RADIUS, View, drawing_scale
 from drakearm.systems.muscle_drawing import activation_color
 
 JOINT_COLORS = ("#3b8ed0", "#e0803c", "#2fae86", "#c97bb0", "#d2a52a", "#7fb7dd")  # readable on white and on black
@@ -80,7 +80,7 @@ def make_page(
         style=part("page.css"),
         script=part("rendering.js") + part("page.js") + ("" if together else part("controls.js")),
         caption=caption.html,
-        controls="" if together else make_controls(duration(recording)),
+        controls="" if together else make_controls(duration(recording), [arm]),
         data=as_json(data),
     )
     page = meshcat_html.replace("<title>Drake MeshCat</title>", f"<title>{html.escape(caption.title)}</title>")
@@ -90,14 +90,15 @@ def make_page(
     return page.replace("</body>", f"{overlay}</body>")
 
 
-def make_controls(seconds: float) -> str:
-    """The legend and the controls of a replay that lasts some seconds."""
+def make_controls(seconds: float, arms: Sequence[Arm]) -> str:
+    """The legend and the controls of a replay that lasts some seconds. arms: those that it shows."""
+    radii = sorted({100 * TARGET_RADIUS * drawing_scale(arm) for arm in arms})
     return Template(part("controls.html")).substitute(
         ramp=", ".join(_ramp()[:: _SHADES // 8]),
         ghost=_css(GHOST_COLOR),
         path=_css(PATH_COLOR),
         target=_css(TARGET_COLOR),
-        target_size=f"{100 * TARGET_RADIUS:g} cm",
+        target_size=" or ".join(f"{radius:.2g}" for radius in radii) + " cm",
         duration=repr(seconds),
     )
 

@@ -8,6 +8,8 @@
     @media (prefers-color-scheme: dark) { #meshcat-pane { background: linear-gradient(#21262e, #14171c); } }`;
   document.head.append(background);
 
+  window.set_moving = moving => {}; // the controls say whether the arm moves
+
   // Without a graphics card, antialiasing takes half of the time.
   const has_graphics_card = () => {
     const gl = viewer.renderer.getContext(), names = gl.getExtension("WEBGL_debug_renderer_info");
@@ -21,14 +23,12 @@
     old.dispose();
     old.forceContextLoss();
     // A still picture has twice as many pixels in each direction.
-    const animator = viewer.animator, [play, pause] = [animator.play, animator.pause];
-    const set_pixels = share => {
-      if (viewer.renderer.getPixelRatio() === share * window.devicePixelRatio) return;
-      viewer.renderer.setPixelRatio(share * window.devicePixelRatio);
+    window.set_moving = moving => {
+      const ratio = (moving ? 1 : 2) * window.devicePixelRatio;
+      if (viewer.renderer.getPixelRatio() === ratio) return;
+      viewer.renderer.setPixelRatio(ratio);
       viewer.set_3d_pane_size();
     };
-    animator.play = () => { play.call(animator); set_pixels(1); };
-    animator.pause = () => { pause.call(animator); set_pixels(2); };
     viewer.set_3d_pane_size();
   };
 
@@ -44,8 +44,8 @@
   };
 
   const simple = material => {
-    const { color, opacity, transparent, side, depthWrite } = material;
-    return new THREE.MeshLambertMaterial({ color, opacity, transparent, side, depthWrite });
+    const { color, opacity, transparent, side, depthWrite, depthTest } = material;
+    return new THREE.MeshLambertMaterial({ color, opacity, transparent, side, depthWrite, depthTest });
   };
 
   // All muscles as one mesh. The pieces that the animation moves and colors stay in the scene, but are not drawn: their

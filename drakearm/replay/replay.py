@@ -54,7 +54,8 @@ def write_comparison(file: Path, left: RecordedMovement, right: RecordedMovement
     both = [left, right]
     halves = _page(left, both, alone=False), _page(right, both, alone=False)
     titles = left.caption.title, right.caption.title
-    _write(file, make_comparison(halves, titles, max(duration(each.recording) for each in both)))
+    longest = max(duration(each.recording) for each in both)
+    _write(file, make_comparison(halves, titles, (left.arm, right.arm), longest))
 
 
 def _page(shown: RecordedMovement, together: Sequence[RecordedMovement], *, alone: bool) -> str:

@@ -12,7 +12,7 @@ from pydrake.multibody.tree import BodyIndex
 from drakearm.model import Arm
 from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.recording import Recording
-from drakearm.model.skeleton import add_skeleton
+from drakearm.model.skeleton import add_skeleton, skeleton_plant
 from drakearm.systems.muscle_drawing import MuscleDrawing, upright
 from drakearm.systems.skeleton_drawing import SkeletonDrawing
 from drakearm.systems.skeleton_visualizer import FIELD_OF_VIEW, joint_axis, oblique, set_stage
@@ -21,13 +21,15 @@ from drakearm.systems.smooth_mesh import tube
 GHOST_COLOR = Rgba(0.0, 0.58, 0.55, 0.25)
 PATH_COLOR = Rgba(0.95, 0.55, 0.05, 1.0)
 TARGET_COLOR = Rgba(0.10, 0.65, 0.35, 0.55)
-TARGET_RADIUS = 0.01  # m
+TARGET_RADIUS = 0.01  # m, times `drawing_scale`
 
 _ROOT = "/drakearm"
-_PATH_RADIUS = 0.002  # m
+_DOT_RADIUS = 0.006  # m, times `drawing_scale`
+_PATH_RADIUS = 0.002  # m, times `drawing_scale`
 _NARROW = 2.0  # degrees, a field of view that shows distances across the view without perspective
 _MARGIN = 1.15  # the distance of the camera over the smallest one that shows the whole arm
-_CLOSE = 0.12  # m, around the path of the hand
+_CLOSE = 0.12  # m, around the path of the hand, times `drawing_scale`
+_SHORT = 0.3  # m, the length of a limb beside which the sizes above are too large
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,16 @@ class View:
     fov: float  # degrees
 
 
+def drawing_scale(arm: Arm) -> float:
+    """1, but less for a limb so small that it would vanish behind the path of its tip."""
+    plant = skeleton_plant(arm)
+    context = plant.CreateDefaultContext()
+    frames = [plant.GetJointByName(name).frame_on_child() for name in arm.coordinates]
+    frames.append(plant.GetFrameByName(arm.tip_frame))
+    points = [frame.CalcPoseInWorld(context).translation() for frame in frames]
+    return min(1.0, float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) / _SHORT)
+
+
 class ReplayScene:
     """An arm in its own Meshcat, which closes when the scene is deleted. `draw` shows the arm as in a recording."""
 
@@ -47,7 +59,7 @@ class ReplayScene:
         self, arm: Arm, load_mass: float = 0.0, obstacle: Obstacle | None = None, port: int | None = 0
     ) -> None:
         """load_mass: kg, in the hand. port: of the page on this computer: 0 for any, None for one from 7000."""
-        self._arm = arm
+        self._arm, self._scale = arm, drawing_scale(arm)
         self._plant = MultibodyPlant(time_step=0.0)
         scene_graph = SceneGraph()
         self._plant.RegisterAsSourceForSceneGraph(scene_graph)
@@ -63,6 +75,12 @@ class ReplayScene:
         self._ghost = SkeletonDrawing(self.meshcat, f"{_ROOT}/reference", self._plant, scene_graph, GHOST_COLOR)
         self._muscles = MuscleDrawing(self.meshcat, f"{_ROOT}/muscles", arm, self._plant)
         self._surroundings = _still_meshes(self._plant, scene_graph)
+        tip = self._plant.GetFrameByName(arm.tip_frame)
+        dot = f"{_ROOT}/arm/{tip.body().name()}/tip"  # which point of the hand has the path that is drawn
+        self.meshcat.SetTransform(dot, tip.GetFixedPoseInBodyFrame())
+        translucent = Rgba(PATH_COLOR.r(), PATH_COLOR.g(), PATH_COLOR.b(), 0.98)  # so that it is drawn after the hand
+        self.meshcat.SetObject(dot, Sphere(_DOT_RADIUS * self._scale), translucent)
+        self.meshcat.SetProperty(f"{dot}/<object>", "material.depthTest", False)  # visible also inside of the hand
 
     def draw(self, recording: Recording, i: int, time_in_recording: float | None = None) -> None:
         """Draws sample i. If Meshcat is recording, it stores this frame at time_in_recording (s)."""
@@ -73,14 +91,14 @@ class ReplayScene:
 
     def draw_tip_path(self, q: np.ndarray) -> None:
         """Draws the path of the hand's tip for joint angles q (N, n_q), rad."""
-        path = tube(np.array([self._tip_position(row) for row in q]), _PATH_RADIUS)
+        path = tube(np.array([self._tip_position(row) for row in q]), _PATH_RADIUS * self._scale)
         self.meshcat.Delete(f"{_ROOT}/tip_path")
         if path is not None:
             self.meshcat.SetObject(f"{_ROOT}/tip_path", path, PATH_COLOR)
 
     def draw_target(self, q: np.ndarray) -> None:
         """Draws a ball where the tip of the hand is at joint angles q (n_q,), rad."""
-        self.meshcat.SetObject(f"{_ROOT}/target", Sphere(TARGET_RADIUS), TARGET_COLOR)
+        self.meshcat.SetObject(f"{_ROOT}/target", Sphere(TARGET_RADIUS * self._scale), TARGET_COLOR)
         self.meshcat.SetTransform(f"{_ROOT}/target", RigidTransform(self._tip_position(q)))
 
     def views(self, q: np.ndarray) -> dict[str, View]:
@@ -101,7 +119,7 @@ class ReplayScene:
         return {
             "oblique": self._view([*points, *self._surroundings], direction, FIELD_OF_VIEW),
             "side": self._view(points, across, _NARROW),
-            "close": self._view(path, direction, FIELD_OF_VIEW, _CLOSE),
+            "close": self._view(path, direction, FIELD_OF_VIEW, _CLOSE * self._scale),
         }
 
     def set_camera(self, view: View) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drakearm.model.recording import Recording
-from drakearm.planning.feasibility import NEGLIGIBLE
+from drakearm.model.static_optimization import NEGLIGIBLE
 from drakearm.reproduction.experiment import (
     Experiment,
     all_methods,

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drakearm.experiments import scenario_files, scenario_task
+from drakearm.experiments import load_scenario, scenario_files, scenario_task
 from drakearm.experiments.catalog import POLICIES
 from drakearm.learning import Policy
 from drakearm.repertoire import held_out_errors, load_repertoire
@@ -18,7 +18,8 @@ from drakearm.repertoire.shipped import shipped_policy
 from drakearm.task import TrackingTask
 
 HEAVY = ("lift-5kg", "lift-10kg", "lift-20kg")
-LIGHT = [name for name in scenario_files() if not name.startswith(HEAVY)]
+PAPER = [name for name in scenario_files() if load_scenario(name).arm == "arm14"]
+LIGHT = [name for name in PAPER if not name.startswith(HEAVY)]
 
 
 def milliradians(task: TrackingTask, act: Callable[[np.ndarray], np.ndarray] | None) -> str:

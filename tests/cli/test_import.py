@@ -8,7 +8,7 @@ import pytest
 from tests.cli.command import drakearm
 
 LEG = Path(__file__).parents[1] / "importing" / "leg.xml"
-LOCKS = ("--lock", "hip=0", "--lock", "adduction=0")
+LOCKS = ("--lock", "hip=0,adduction=0")
 
 
 def test_it_writes_a_folder_that_other_commands_take(tmp_path):

@@ -12,19 +12,20 @@ from drakearm.experiments import load_scenario, scenario_files
 from drakearm.model import MakeTorqueArm, load_arm
 from drakearm.planning import plan
 from drakearm.planning.feasibility import muscle_feasibility
+from tests.shipped import PAPER
 
 REACHES = [name for name in scenario_files() if name.startswith("reach-")]
 TIMINGS = [name for name in scenario_files() if name.startswith("timing-")]
 
 
 def hand_path(arm, angles: np.ndarray) -> np.ndarray:
-    """Where the tip of the hand is (N, 3), m, at joint angles (N, n_q)."""
+    """Where the tip of the limb is (N, 3), m, at joint angles (N, n_q)."""
     plant = MakeTorqueArm(arm)
     context = plant.CreateDefaultContext()
     points = []
     for q in angles:
         plant.SetPositions(context, q)
-        points.append(plant.GetFrameByName("hand_tip").CalcPoseInWorld(context).translation())
+        points.append(plant.GetFrameByName(arm.tip_frame).CalcPoseInWorld(context).translation())
     return np.array(points)
 
 
@@ -57,8 +58,8 @@ def end_of_simulation(arm, scenario, found) -> tuple[np.ndarray, np.ndarray]:
     return plant.GetPositions(context), plant.GetVelocities(context)
 
 
-def test_24_movements_are_shipped():
-    assert len(scenario_files()) == 24
+def test_the_24_movements_of_the_paper_are_shipped():
+    assert len(PAPER) == 24
 
 
 @pytest.mark.slow

@@ -107,7 +107,7 @@ def test_what_is_not_kept_is_said(leg, tmp_path):
     report = (leg[1].skeleton.parent / "report.md").read_text()
     for sentence in (
         "muscles that cross no joint are left out: soleus",
-        "left out: the force motor (CoordinateActuator)",
+        "left out: CoordinateActuator: motor",
         "ankle_angle is locked at 17.1887 degrees, as in the file",
         "gluteus: active_force_width_scale 1.2",
         "hamstrings: the curves of Millard2012EquilibriumMuscle: degroote2016 is used",

@@ -61,17 +61,15 @@ def test_more_than_four_coordinates_are_counted_and_named():
 @pytest.mark.parametrize(
     "changes, expected",
     [
-        (
-            {"kind": "translation"},
-            "a is a translation: expected rotations about one axis. Please lock it with --lock a=",
-        ),
-        ({"kind": "ball joint"}, "a is a ball joint: expected rotations about one axis. Please leave its joint out"),
-        ({"follows": "b"}, "a follows b, to which a constraint couples it: lock it with --lock a=DEG"),
+        ({"kind": "translation"}, "a translation: a, b. Please lock them with --lock COORDINATE=METERS, or leave"),
+        ({"kind": "ball joint"}, "a ball joint: a, b. Please leave the joints out with --only"),
+        ({"follows": "c"}, "Constraints couple coordinates (a follows c, b follows c): lock those that follow"),
         ({"lower": 2.0}, "The range of a is 2 to 1 rad: it is empty"),
     ],
 )
 def test_what_a_limb_cannot_have_is_named(changes, expected):
-    assert expected in refusal(chain(coordinate("a", **changes)))
+    model = chain(coordinate("a", **changes), coordinate("b", **changes), coordinate("c"))
+    assert expected in refusal(model)
 
 
 def test_a_coordinate_without_range_gets_one():

@@ -26,18 +26,19 @@ from drakearm.task import (
     StartState,
 )
 from tests.coupled_arm import with_tensor_paths
+from tests.shipped import OTHER_LIMBS, PAPER
 
-NAMES = list(scenario_files())
 TOLERANCE = {"first observation": 2.0**-23, "observation": 2.0**-23, "final_obs": 2.0**-23}  # float32; all else: 1e-8
 BEYOND = 5  # steps into the second episode
+WEAK = 0.2  # times the excitations of light limbs: with more, time steps of 1 ms are unstable and rounding errors grow
 
 
-def draw_actions(kind, steps, arms, seed=0):
-    """Excitations (steps, arms, 14): uniform in [0, 1], or distributed as those of an untrained policy."""
+def draw_actions(kind, steps, arms, seed=0, muscles=14):
+    """Excitations (steps, arms, muscles): uniform in [0, 1], or distributed as those of an untrained policy."""
     rng = np.random.default_rng(seed)
     if kind == "uniform":
-        return rng.random((steps, arms, 14))
-    return np.clip(0.15 + 0.2 * rng.standard_normal((steps, arms, 14)), 0.0, 1.0)
+        return rng.random((steps, arms, muscles))
+    return np.clip(0.15 + 0.2 * rng.standard_normal((steps, arms, muscles)), 0.0, 1.0)
 
 
 def diagrams(tasks):
@@ -77,7 +78,7 @@ def transition(step, names):
 def assert_parity(names, many, ones, actions, seed, first=0):
     """Compares the arms of `many`, from arm `first`, with the environments `ones`.
 
-    actions: (steps, arms of many, 14).
+    actions: (steps, arms of many, muscles).
     """
     arms = slice(first, first + len(names))
     observation, _ = many.reset(seed=seed)
@@ -91,22 +92,23 @@ def assert_parity(names, many, ones, actions, seed, first=0):
 
 
 @pytest.mark.parametrize("kind", ["uniform", "policy"])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", scenario_files())
 def test_every_scenario(name, kind):
     task, arms = scenario_task(name), 2
-    actions = draw_actions(kind, len(task.reference.t) - 1 + BEYOND, arms)
+    actions = draw_actions(kind, len(task.reference.t) - 1 + BEYOND, arms, muscles=len(task.arm.muscles))
+    actions = WEAK * actions if name in OTHER_LIMBS else actions
     assert_parity([name] * arms, ArmVectorEnv(task, arms), diagrams([task] * arms), actions, seed=7)
 
 
 @pytest.mark.parametrize("kind", ["uniform", "policy"])
-def test_all_scenarios_in_one_batch(kind):
+def test_all_movements_of_one_arm_in_one_batch(kind):
     """Every scenario has seven arms. The fourth one is compared, so that arms from two blocks of lanes are compared."""
-    tasks = [scenario_task(name) for name in NAMES]
+    tasks = [scenario_task(name) for name in PAPER]
     many = ArmVectorEnv(tasks, 7 * len(tasks))
     assert LANES < many.num_envs < 2 * LANES
     steps = max(len(task.reference.t) for task in tasks) + BEYOND
     actions = draw_actions(kind, steps, many.num_envs)
-    assert_parity(NAMES, many, diagrams(tasks), actions, seed=7, first=3 * len(tasks))
+    assert_parity(PAPER, many, diagrams(tasks), actions, seed=7, first=3 * len(tasks))
 
 
 def test_the_papers_observation(task):

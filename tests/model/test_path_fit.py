@@ -67,6 +67,15 @@ def test_moment_arms_are_minus_the_slopes_of_the_terms():
         np.testing.assert_allclose(hip_knee.evaluate(q)[1][:, j], difference, atol=1e-8)
 
 
+@pytest.mark.parametrize("size", [1e-3, 100.0])
+def test_limbs_of_any_size_are_fitted_alike(size):
+    for usual, other in zip(fitted(), fitted(lambda q: size * lengths(q)), strict=True):
+        assert [term.coordinates for term in other.terms] == [term.coordinates for term in usual.terms]
+        assert other.length_error.largest == pytest.approx(size * usual.length_error.largest, rel=0.1)
+        q = np.random.default_rng(4).uniform(LOWER, UPPER, (50, 3))
+        np.testing.assert_allclose(evaluate(other, q), size * evaluate(usual, q), rtol=1e-4)
+
+
 def test_a_kink_gets_the_knots_that_it_needs():
     fit = fitted(lambda q: 0.3 + 0.02 * np.maximum(q[:, :1] - 0.31, 0.0) ** 2)[0]
     assert fit.moment_arm_error["hip"].largest < 5e-4

@@ -41,6 +41,20 @@ def any_arm(request, arm):
     return replace(arm, muscles=tuple(replace(m, model=model, tendon=tendon) for m in arm.muscles))
 
 
+def with_strength(arm, factor):
+    muscles = (replace(m, max_isometric_force=factor * m.max_isometric_force) for m in arm.muscles)
+    return replace(arm, muscles=tuple(muscles))
+
+
+def test_a_weak_limb_needs_the_same_activations_for_its_share_of_the_torque(arm):
+    """Otherwise the torques of an animal's limb, some mNm, would count less than its activations."""
+    q, v, tau = np.array([-0.3, 1.4]), np.array([1.0, -2.0]), np.array([0.02, -0.01])
+    weak, _ = optimize(with_strength(arm, 1e-2), q, v, tau)
+    weakest, reserve = optimize(with_strength(arm, 1e-5), q, v, 1e-3 * tau)
+    np.testing.assert_allclose(weakest, weak, rtol=1e-6)
+    np.testing.assert_allclose(reserve, 0.0, atol=1e-8)
+
+
 @pytest.mark.parametrize("q", POSTURES)
 def test_activations_hold_a_posture_with_muscles_in_equilibrium(arm, q):
     tau = gravity_torque(MakeTorqueArm(arm), q)

@@ -11,11 +11,12 @@ from drakearm.model.joint_stops import HARDENING, STOP_DAMPING, STOP_STIFFNESS, 
 from drakearm.systems import JointStops
 
 LOWER, UPPER = np.array([-1.5, 0.0]), np.array([3.1, 2.3])
+STIFFNESS, DAMPING = np.full(2, STOP_STIFFNESS), np.full(2, STOP_DAMPING)
 angles, speeds = st.floats(-4.0, 5.0), st.floats(-30.0, 30.0)
 
 
 def torque(q, v):
-    return stop_torque(np.array(q), np.array(v), LOWER, UPPER, STOP_STIFFNESS, STOP_DAMPING)
+    return stop_torque(np.array(q), np.array(v), LOWER, UPPER, STIFFNESS, DAMPING)
 
 
 @settings(deadline=None)

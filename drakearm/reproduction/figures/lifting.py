@@ -16,7 +16,7 @@ from drakearm.figures.raster import activation_bar, draw_raster, label_roles
 from drakearm.figures.style import DEVIATION, LOAD, NOTE_COLOR, TIME, Look
 from drakearm.model import Arm
 from drakearm.model.recording import Recording
-from drakearm.planning.feasibility import NEGLIGIBLE
+from drakearm.model.static_optimization import NEGLIGIBLE
 from drakearm.reproduction.experiment import by_method
 from drakearm.reproduction.figures.panels import (
     BAND,
