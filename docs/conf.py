@@ -27,6 +27,7 @@ _SHOWN = {
     "../CHANGELOG.md": "changelog.md",
     "../CONTRIBUTING.md": "contributing.md",
     "../SECURITY.md": "security.md",
+    "../drakearm/model/rat_hindlimb/CREDITS.md": "credits.md",
     "../drakearm/model/arm14/CREDITS.md": "credits.md",
     "../drakearm/model/arm26/CREDITS.md": "credits.md",
     "../drakearm/reproduction/hug_mp/CREDITS.md": "credits.md",
