@@ -44,8 +44,8 @@
   };
 
   const simple = material => {
-    const { color, opacity, transparent, side, depthWrite } = material;
-    return new THREE.MeshLambertMaterial({ color, opacity, transparent, side, depthWrite });
+    const { color, opacity, transparent, side, depthWrite, depthTest } = material;
+    return new THREE.MeshLambertMaterial({ color, opacity, transparent, side, depthWrite, depthTest });
   };
 
   // All muscles as one mesh. The pieces that the animation moves and colors stay in the scene, but are not drawn: their

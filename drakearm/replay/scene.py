@@ -24,7 +24,7 @@ TARGET_COLOR = Rgba(0.10, 0.65, 0.35, 0.55)
 TARGET_RADIUS = 0.01  # m, times `drawing_scale`
 
 _ROOT = "/drakearm"
-_DOT_RADIUS = 0.013  # m, a little more than half of a hand's thickness, times `drawing_scale`
+_DOT_RADIUS = 0.006  # m, times `drawing_scale`
 _PATH_RADIUS = 0.002  # m, times `drawing_scale`
 _NARROW = 2.0  # degrees, a field of view that shows distances across the view without perspective
 _MARGIN = 1.15  # the distance of the camera over the smallest one that shows the whole arm
@@ -78,7 +78,9 @@ class ReplayScene:
         tip = self._plant.GetFrameByName(arm.tip_frame)
         dot = f"{_ROOT}/arm/{tip.body().name()}/tip"  # which point of the hand has the path that is drawn
         self.meshcat.SetTransform(dot, tip.GetFixedPoseInBodyFrame())
-        self.meshcat.SetObject(dot, Sphere(_DOT_RADIUS * self._scale), PATH_COLOR)
+        translucent = Rgba(PATH_COLOR.r(), PATH_COLOR.g(), PATH_COLOR.b(), 0.98)  # so that it is drawn after the hand
+        self.meshcat.SetObject(dot, Sphere(_DOT_RADIUS * self._scale), translucent)
+        self.meshcat.SetProperty(f"{dot}/<object>", "material.depthTest", False)  # visible also inside of the hand
 
     def draw(self, recording: Recording, i: int, time_in_recording: float | None = None) -> None:
         """Draws sample i. If Meshcat is recording, it stores this frame at time_in_recording (s)."""
