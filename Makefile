@@ -62,9 +62,9 @@ lint: $(LINKED) ## style and types
 	$(BIN)/mypy
 	$(BIN)/codespell *.md docs drakearm systems diagrams examples
 
-docs: $(LINKED) ## the documentation as a site, docs/_build/index.html; every warning is an error
-	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet -b html $(SPHINXOPTS) docs docs/_build
-	$(BIN)/python docs/check_links.py docs/_build
+docs: $(LINKED) ## the documentation as a site, docs/_build/html/index.html; every warning is an error
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet -b html $(SPHINXOPTS) docs docs/_build/html
+	$(BIN)/python docs/check_links.py docs/_build/html
 
 clean: ## removes everything that make created, except runs/
 	rm -rf $(VENV) build docs/_build *.egg-info

@@ -10,7 +10,7 @@ import drakearm  # noqa: E402
 import drakearm.systems  # noqa: E402
 
 project = "drakearm"
-author = "The drakearm developers"
+author = project_copyright = "The drakearm developers"
 version = release = drakearm.__version__
 html_title = f"drakearm {version}"
 
@@ -23,10 +23,13 @@ highlight_language = "none"
 
 # Where this site shows files that lie elsewhere in the repository, relative to a page of this folder.
 _SHOWN = {
+    "../README.md": "index.md",
     "../CHANGELOG.md": "changelog.md",
     "../CONTRIBUTING.md": "contributing.md",
     "../SECURITY.md": "security.md",
+    "../drakearm/model/rat_hindlimb/CREDITS.md": "credits.md",
     "../drakearm/model/arm14/CREDITS.md": "credits.md",
+    "../drakearm/model/arm26/CREDITS.md": "credits.md",
     "../drakearm/reproduction/hug_mp/CREDITS.md": "credits.md",
 }
 
@@ -42,9 +45,11 @@ def setup(app):
 
 # Tutorials run when they have changed. An error in one is an error of the build.
 nb_execution_mode = "cache"
+nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_output_stderr = "remove"
 
 # Docstrings: a name in backticks is a link where it names something, else code.
 default_role = "py:obj"
