@@ -62,8 +62,9 @@
     pen.fillStyle = text;
     const [low, high] = data.angles;
     const y_of = angle => angles_bottom - (angles_bottom - 14) * (angle - low) / (high - low);
-    const [title, names, apart] = width < 280 ? ["deg", left + 24, 48] : ["joint angles (deg)", left + 100, 70];
+    const title = width < 280 ? "deg" : "joint angles (deg)";
     pen.fillText(title, left, 9);
+    let name_place = left + pen.measureText(title).width + 14;
     for (const angle of [low, high]) pen.fillText(angle.toFixed(0).replace(/^-0$/, "0"), left - 26, y_of(angle) + 3);
     data.joints.forEach((joint, j) => {
       pen.strokeStyle = pen.fillStyle = data.joint_colors[j];
@@ -73,7 +74,8 @@
         rows.forEach((row, i) => pen.lineTo(place_of(data.t[i], width), y_of(row[j])));
         pen.stroke();
       }
-      pen.fillText(joint, names + apart * j, 9);
+      pen.fillText(joint, name_place, 9);
+      name_place += pen.measureText(joint).width + 14;
     });
     pen.setLineDash([]);
     const rows = data.muscles.length, row_height = (height - raster_top) / rows;

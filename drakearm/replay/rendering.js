@@ -49,8 +49,8 @@
   };
 
   // All muscles as one mesh. The pieces that the animation moves and colors stay in the scene, but are not drawn: their
-  // ends are the rings of this mesh, with more between them on a smooth curve.
-  const SIDES = 10, BETWEEN = 2;
+  // ends are the rings of this mesh.
+  const SIDES = 8;
   const angles = Array.from({ length: SIDES }, (_, k) => 2 * Math.PI * k / SIDES).map(a => [Math.cos(a), Math.sin(a)]);
 
   const rings_of = pieces => {
@@ -64,15 +64,6 @@
     add(pieces.at(-1), 1, pieces.at(-1).userData.radii[1]);
     return rings;
   };
-  const between = ([a, b, c, d], t) => b.map((_, k) => { // Catmull-Rom
-    const slope = 0.5 * (c[k] - a[k]), next = 0.5 * (d[k] - b[k]), rise = c[k] - b[k];
-    return b[k] + t * (slope + t * (3 * rise - 2 * slope - next + t * (slope + next - 2 * rise)));
-  });
-  const refined = rings => rings.flatMap((ring, k) => {
-    const four = [-1, 0, 1, 2].map(i => rings[Math.min(Math.max(k + i, 0), rings.length - 1)]);
-    const count = k + 1 < rings.length ? BETWEEN : 1;
-    return Array.from({ length: count }, (_, i) => between(four, i / BETWEEN));
-  });
 
   class Muscles {
     constructor(node) {
@@ -86,13 +77,13 @@
         }
         return pieces;
       });
-      const rings = this.muscles.reduce((sum, pieces) => sum + BETWEEN * pieces.length + 1, 0);
+      const rings = this.muscles.reduce((sum, pieces) => sum + pieces.length + 1, 0);
       const geometry = new THREE.BufferGeometry(), faces = [];
       for (const name of ["position", "normal", "color"])
         geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * SIDES * rings), 3));
       let start = 0;
       for (const pieces of this.muscles) {
-        for (let ring = 0; ring < BETWEEN * pieces.length; ring++, start += SIDES)
+        for (let ring = 0; ring < pieces.length; ring++, start += SIDES)
           for (let k = 0; k < SIDES; k++) {
             const [a, b] = [start + k, start + (k + 1) % SIDES];
             faces.push(a, b, b + SIDES, a, b + SIDES, a + SIDES);
@@ -110,7 +101,7 @@
       const along = new THREE.Vector3(), first = new THREE.Vector3(), second = new THREE.Vector3();
       let n = 0;
       for (const pieces of this.muscles) {
-        const rings = refined(rings_of(pieces));
+        const rings = rings_of(pieces);
         first.set(0.31, 0.52, 0.79);
         rings.forEach((ring, k) => {
           const before = rings[Math.max(k - 1, 0)], after = rings[Math.min(k + 1, rings.length - 1)];
