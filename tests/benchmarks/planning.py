@@ -11,6 +11,7 @@ os.environ["OMP_NUM_THREADS"] = "1"  # before NumPy, Drake and CasADi start thei
 
 import argparse
 import math
+import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -32,7 +33,8 @@ try:
         warnings.simplefilter("ignore")  # about do-mpc's optional features
         import casadi
         import do_mpc
-except ImportError:
+except ImportError as error:
+    print(f"do-mpc is not used: {error}", file=sys.stderr)
     do_mpc = None
 
 STEP, HORIZON = 0.04, 40  # s, steps ahead

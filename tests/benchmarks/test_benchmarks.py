@@ -68,7 +68,7 @@ def test_planning_compares_with_do_mpc():
         pytest.skip("do-mpc is not installed, so there is nothing to compare planning with")
     done = run_quick(BENCHMARKS / "planning.py")
     planners = [row[1] for row in table_rows(done.stdout)]
-    assert planners.count("do-mpc") == planners.count("drakearm, receding horizon") == 2
+    assert planners.count("do-mpc") == planners.count("drakearm, receding horizon") == 2, done.stderr
     assert "agree" in done.stdout
 
 

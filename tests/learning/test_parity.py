@@ -1,14 +1,12 @@
 """DiagramEnv and ArmVectorEnv compute the same in whole episodes of all shipped scenarios, alone and in one batch."""
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from drakearm.experiments import scenario_files
-from drakearm.experiments.environments import make_task_env, scenario_task
+from drakearm.experiments.environments import scenario_task
 from drakearm.learning import ArmVectorEnv
 from drakearm.learning.compiled_arm import LANES
 from drakearm.task import (
@@ -26,9 +24,9 @@ from drakearm.task import (
     StartState,
 )
 from tests.coupled_arm import with_tensor_paths
+from tests.parity import assert_parity, diagrams
 from tests.shipped import OTHER_LIMBS, PAPER
 
-TOLERANCE = {"first observation": 2.0**-23, "observation": 2.0**-23, "final_obs": 2.0**-23}  # float32; all else: 1e-8
 BEYOND = 5  # steps into the second episode
 WEAK = 0.2  # times the excitations of light limbs: with more, time steps of 1 ms are unstable and rounding errors grow
 
@@ -39,56 +37,6 @@ def draw_actions(kind, steps, arms, seed=0, muscles=14):
     if kind == "uniform":
         return rng.random((steps, arms, muscles))
     return np.clip(0.15 + 0.2 * rng.standard_normal((steps, arms, muscles)), 0.0, 1.0)
-
-
-def diagrams(tasks):
-    """Gymnasium's own vector environment of DiagramEnvs, one for each task."""
-    return SyncVectorEnv([partial(make_task_env, task) for task in tasks], autoreset_mode=AutoresetMode.SAME_STEP)
-
-
-def assert_same(names, step, actual, expected):
-    """Compares a step. The message names the quantity and the scenario that differ.
-
-    actual, expected: arrays (N, ...) by quantity.
-    """
-    for quantity, values in actual.items():
-        tolerance = TOLERANCE.get(quantity, 1e-8)
-        desired = np.asarray(expected[quantity], dtype=float)
-        excess = np.abs(values - desired) - tolerance * np.abs(desired) - 1e-8
-        arms = excess.reshape(len(names), -1).max(axis=1)
-        worst = int(arms.argmax())
-        assert arms[worst] <= 0.0, (
-            f"{names[worst]} differs at step {step} in {quantity}: {values[worst]}, on the Diagram {desired[worst]}"
-        )
-
-
-def transition(step, names):
-    """What a step returned, by quantity. After a reset, the info is that of the transition and not of the reset."""
-    observation, reward, terminated, truncated, info = step
-    reported = {name: info[name].copy() for name in ("arm_state", "activation", "tracking_error")}
-    final = np.zeros_like(observation)
-    for i in np.flatnonzero(truncated):
-        final[i] = info["final_obs"][i]
-        for name, values in reported.items():
-            values[i] = info.get("final_info", info)[name][i]
-    ends = {"terminated": terminated.astype(float), "truncated": truncated.astype(float)}
-    return reported | {"reward": reward} | ends | {"final_obs": final, "observation": observation}
-
-
-def assert_parity(names, many, ones, actions, seed, first=0):
-    """Compares the arms of `many`, from arm `first`, with the environments `ones`.
-
-    actions: (steps, arms of many, muscles).
-    """
-    arms = slice(first, first + len(names))
-    observation, _ = many.reset(seed=seed)
-    desired, _ = ones.reset(seed=seed + first)
-    assert_same(names, 0, {"first observation": observation[arms]}, {"first observation": desired})
-    for k, action in enumerate(actions):
-        *result, info = many.step(action)
-        info = {name: values[arms] for name, values in info.items()}
-        actual = transition((*(values[arms] for values in result), info), names)
-        assert_same(names, k, actual, transition(ones.step(action[arms]), names))
 
 
 @pytest.mark.parametrize("kind", ["uniform", "policy"])
@@ -201,8 +149,7 @@ def test_a_library_of_tasks_that_each_reset_draws_from():
     )
     short = [replace(each, reference=beginning(each.reference, steps)) for each, steps in ((task, 12), (other, 17))]
     many, arms = ArmVectorEnv(short, 3, redraw=True), 3
-    ones = SyncVectorEnv([partial(make_task_env, short)] * arms, autoreset_mode=AutoresetMode.SAME_STEP)
-    assert_parity(["library"] * arms, many, ones, draw_actions("policy", 60, arms), seed=3)
+    assert_parity(["library"] * arms, many, diagrams([short] * arms), draw_actions("policy", 60, arms), seed=3)
 
 
 def test_senses_that_are_always_late(task):

@@ -15,8 +15,8 @@ from drakearm.model.skeleton import skeleton_plant
 from drakearm.planning import Movement, plan
 from drakearm.planning.costs import TorqueRate
 from drakearm.task import RewardWeights, TrackingTask
-from tests.learning.test_parity import assert_parity, diagrams
 from tests.limbs import write_fork
+from tests.parity import assert_parity, diagrams
 
 
 @pytest.fixture(scope="module")
