@@ -1,5 +1,6 @@
 """Loads an OpenSim file in such a way that all coordinates are free to be set, and reads OpenSim's containers."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,12 +12,17 @@ from drakearm.errors import ImportingError, did_you_mean, shown
 
 def import_opensim() -> Any:
     """The package, with its log switched off. Raises ImportingError if it is not installed."""
+    before = dict(os.environ)
     try:
         import opensim
     except ImportError as error:
         raise ImportingError(
             "Importing an .osim file needs OpenSim: install it with `pip install opensim`, or drakearm[import]."
         ) from error
+    finally:
+        # OpenSim puts its own libraries before all others, for every program that this one starts: others fail then.
+        os.environ.clear()
+        os.environ.update(before)
     opensim.Logger.setLevelString("off")
     return opensim
 
