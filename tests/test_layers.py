@@ -52,3 +52,14 @@ def test_imports_run_downwards(file):
         if other in FREE:
             continue
         assert other == room or LEVEL[other] < LEVEL[room], f"{room} imports {other}"
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_no_module_hides_a_name_of_its_package(folder):
+    """A module that is imported later would replace a function of the same name that its package has from elsewhere."""
+    modules = {file.stem for file in folder.glob("*.py")}
+    own = {folder.name, f"drakearm.{folder.name}"}
+    for node in ast.walk(ast.parse((folder / "__init__.py").read_text())):
+        if isinstance(node, ast.ImportFrom) and not {node.module, (node.module or "").rpartition(".")[0]} & own:
+            names = {alias.asname or alias.name for alias in node.names}
+            assert not names & modules, f"{folder.name}/__init__.py imports {names & modules} from {node.module}"

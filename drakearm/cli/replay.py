@@ -95,7 +95,7 @@ def replay(
     """
     _check(run, out, live, port, [compare, html, png, gif, mp4, at])
     import_own_code(imports)
-    from drakearm.cli.shown import is_scenario
+    from drakearm.cli.replay_arguments import is_scenario
 
     if live:
         _show_live(run, out, policy, port)
@@ -120,7 +120,7 @@ def replay(
 
 def _check(run: str, out: Path | None, live: bool, port: int | None, of_files: list[object]) -> None:
     """Refuses options that would have no effect."""
-    from drakearm.cli.shown import is_scenario
+    from drakearm.cli.replay_arguments import is_scenario
 
     if out and not is_scenario(run):
         raise typer.BadParameter("only the run of a SCENARIO has a folder to choose; --html says where the page goes.")
@@ -146,7 +146,7 @@ def _replay_run(run: str, out: Path | None, overwrite: bool) -> tuple[Path, floa
 
 def _write_page(file: Path, run: str, out: Path | None, policy: str | None, compare: str | None) -> tuple[Path, float]:
     """Writes the page of one movement, or of two. Returns the file, and the duration of the longer movement, s."""
-    from drakearm.cli.shown import find_shown, titled
+    from drakearm.cli.replay_arguments import find_shown, titled
     from drakearm.replay import write_comparison, write_replay
 
     shown = [find_shown(run, out, policy)] + ([find_shown(compare)] if compare else [])
@@ -160,7 +160,7 @@ def _write_page(file: Path, run: str, out: Path | None, policy: str | None, comp
 
 
 def _show_live(run: str, out: Path | None, policy: str | None, port: int | None) -> None:
-    from drakearm.cli.shown import find_shown, titled
+    from drakearm.cli.replay_arguments import find_shown, titled
     from drakearm.repertoire.live_replay import LiveReplay
 
     (shown,) = titled([find_shown(run, out, policy)])
