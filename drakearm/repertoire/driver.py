@@ -1,7 +1,7 @@
 """What drives the muscles in a movement: a policy of one movement or of many, or static optimization."""
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from pydrake.geometry import Meshcat
@@ -11,12 +11,11 @@ from drakearm.errors import PolicyFileError, shown
 from drakearm.experiments import run_metrics, scenario_files
 from drakearm.experiments.captions import caption
 from drakearm.learning import Policy
-from drakearm.model import load_arm
 from drakearm.repertoire.planned import PlannedMovement
 from drakearm.repertoire.repertoire import Repertoire, load_repertoire, repertoire_files
 from drakearm.repertoire.shipped import policy_and_repertoire, shipped_policy
 from drakearm.replay import RecordedMovement
-from drakearm.task import ReferenceStart, TrackingTask
+from drakearm.task import TrackingTask
 
 STATIC = "static"
 POLICY_FILE = ".safetensors"
@@ -37,7 +36,7 @@ class Driver:
 
     def fits(self, planned: PlannedMovement) -> bool:
         """Whether a movement is one of the arm that the policy moves."""
-        return self.repertoire is None or load_arm(self.repertoire.arm) == planned.task.arm
+        return self.repertoire is None or self.repertoire.loaded_arm == planned.task.arm
 
     def task(self, planned: PlannedMovement) -> TrackingTask:
         """The task of a planned movement, with the senses that the policy needs.
@@ -50,12 +49,7 @@ class Driver:
                 f"{self.name} is not for the arm {task.arm.name} of {planned.name}: expected a policy for the same arm."
             )
         if self.repertoire is not None:
-            task = replace(
-                self.repertoire.task(task.reference, task.load_mass),
-                start=ReferenceStart(),
-                randomization=(),
-                obstacle=task.obstacle,
-            )
+            task = self.repertoire.exact_task(task.reference, task.load_mass, task.obstacle)
         if self.policy is not None:
             self.policy.check(task)
         return task

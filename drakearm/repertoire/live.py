@@ -11,13 +11,12 @@ from drakearm.diagrams import MakeReachingLoop, MakeSimulator, Perturbation
 from drakearm.diagrams.muscle_arm import MuscleArm
 from drakearm.errors import PlanningError
 from drakearm.learning import Policy
-from drakearm.model import load_arm
 from drakearm.model.reference import Reference
 from drakearm.model.skeleton_file import LOAD
 from drakearm.planning import ReachPlanner, muscle_feasibility, posture_at
 from drakearm.repertoire.live_page import FRAME, STOP, LivePage, Slider
-from drakearm.repertoire.move import START_DEG
 from drakearm.repertoire.repertoire import Repertoire
+from drakearm.repertoire.to_place import START_DEG
 
 PUSH = (2.0, 1.0)  # Nm, at shoulder and elbow
 PUSH_TIME = 0.12  # s
@@ -53,7 +52,7 @@ class Live(LivePage):
     def __init__(self, repertoire: Repertoire, policy: Policy, port: int | None = None):
         """port: of the page, on this computer only; by default the first free one from 7000."""
         super().__init__(SLIDERS, (REACH, DISTURB), port)
-        arm = load_arm(repertoire.arm)
+        arm = repertoire.loaded_arm
         self._arm, self._planner = arm, ReachPlanner(arm)
         start = np.deg2rad(START_DEG)
         task = replace(repertoire.task(self._planner.rest(start)), randomization=())

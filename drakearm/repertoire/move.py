@@ -1,7 +1,7 @@
 """One movement on demand: planned, tested, and carried out by the muscles under a policy of a repertoire."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,18 +13,16 @@ from drakearm.experiments.metrics import run_metrics, run_policy
 from drakearm.experiments.success import HandAtGoal
 from drakearm.figures.movement_picture import Movement, write_movement_picture
 from drakearm.learning import Policy
-from drakearm.model import Recording, load_arm
+from drakearm.model import Recording
 from drakearm.model.obstacle import Obstacle
-from drakearm.planning import PlanningModel, muscle_feasibility, plan, posture_at, reach
+from drakearm.planning import PlanningModel, muscle_feasibility, plan, posture_at
 from drakearm.planning.plan_report import PlanReport
 from drakearm.repertoire.repertoire import Repertoire
+from drakearm.repertoire.to_place import NEAR, START_DEG, described, reach_past
 from drakearm.replay import write_replay
 from drakearm.task import TrackingTask
-from drakearm.task.starts import ReferenceStart
 
-START_DEG = (-20.0, 80.0)  # where the shipped reaches start
 _BAR = 0.3  # m, length of the obstacle that is drawn
-NEAR = 0.01  # m from the goal, where a movement of the hand succeeds
 _HOLD = 0.2  # s of rest after the movement
 
 
@@ -74,7 +72,7 @@ def move(
     movement. Raises PlanningError, before anything moves, if the hand cannot reach the position, if there is no plan,
     or if the muscles are too weak for it.
     """
-    arm = load_arm(repertoire.arm)
+    arm = repertoire.loaded_arm
     if len(start_deg) != len(arm.coordinates):
         raise PlanningError(
             f"The start has {len(start_deg)} angles: expected {len(arm.coordinates)}, for {', '.join(arm.coordinates)}."
@@ -83,21 +81,16 @@ def move(
     start = np.deg2rad(np.array(start_deg, dtype=float))
     target = posture_at(model, *to, near=start)
     obstacle = _bar(avoid, model, target) if avoid else None
-    movement = reach(start_deg, np.rad2deg(target), duration, _HOLD)
-    if obstacle is not None:
-        movement = replace(movement, knots=31)
+    movement = reach_past(obstacle, start_deg, target, duration, _HOLD)
     planned = plan(arm, movement, load_mass, obstacle)
     feasibility = muscle_feasibility(arm, planned.reference, load_mass)
     if not feasibility.feasible:
         raise PlanningError(f"{feasibility.verdict} Expected more time, a smaller load or a nearer target.")
-    task = replace(
-        repertoire.task(planned.reference, load_mass), start=ReferenceStart(), randomization=(), obstacle=obstacle
-    )
+    task = repertoire.exact_task(planned.reference, load_mass, obstacle)
     recording = run_policy(task, policy)
-    where = f"x = {to[0]:g} m, y = {to[1]:g} m"
     report = PlanReport(
         name="move",
-        description=f"to {where} in {duration:g} s" + (f" with {load_mass:g} kg" if load_mass else ""),
+        description=described(to, duration, load_mass),
         arm=arm,
         movement=movement,
         load_mass=load_mass,

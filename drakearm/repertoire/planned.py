@@ -11,12 +11,11 @@ from drakearm.experiments.success import HandAtGoal, SuccessCriterion
 from drakearm.model import load_arm
 from drakearm.model.reference import Reference
 from drakearm.planning import Feasibility, Movement, PlanningModel, muscle_feasibility, plan, posture_at, reach
-from drakearm.repertoire.move import NEAR, START_DEG
 from drakearm.repertoire.repertoire import Repertoire
+from drakearm.repertoire.to_place import NEAR, START_DEG, described, reach_past
 from drakearm.task import TrackingTask
 
 _REACH_TO, _REACH_TIME = (0.4, 0.6), 0.6  # m, s
-_KNOTS = 31  # of a plan around an obstacle
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class PlannedMovement:
 
         Raises PlanningError if its arm is not like the shipped one, which has two joints.
         """
-        arm = load_arm(repertoire.arm)
+        arm = repertoire.loaded_arm
         if len(arm.coordinates) != len(START_DEG):
             raise PlanningError(
                 f"The arm {arm.name} has {len(arm.coordinates)} joints, so there is no example of its movements: "
@@ -74,7 +73,7 @@ class PlannedMovement:
         reference = plan(arm, movement).reference
         return cls(
             "reach",
-            _to(_REACH_TO, _REACH_TIME, 0.0),
+            described(_REACH_TO, _REACH_TIME, 0.0),
             movement,
             replace(repertoire.task(reference), randomization=()),
             [HandAtGoal(within=NEAR)],
@@ -88,27 +87,20 @@ class PlannedMovement:
         """
         arm, movement, obstacle = self.task.arm, self.movement, self.task.obstacle
         if to is not None:
-            q = self.task.reference.q
-            target = posture_at(PlanningModel(arm, load_mass), *to, near=q[-1])
-            movement = reach(movement.start_deg, np.rad2deg(target), self._seconds, movement.hold)
-            movement = movement if obstacle is None else replace(movement, knots=_KNOTS)
+            target = posture_at(PlanningModel(arm, load_mass), *to, near=self.task.reference.q[-1])
+            movement = reach_past(obstacle, movement.start_deg, target, self._seconds, movement.hold)
         reference: Reference = plan(arm, movement, load_mass, obstacle).reference
         feasibility = muscle_feasibility(arm, reference, load_mass)
         if not feasibility.feasible:
             raise PlanningError(feasibility.verdict)
         task = replace(self.task, reference=reference, load_mass=load_mass)
-        description = _to(to, self._seconds, load_mass) if to else f"{self.name} with {load_mass:g} kg"
+        description = described(to, self._seconds, load_mass) if to else f"{self.name} with {load_mass:g} kg"
         return replace(self, description=description, movement=movement, task=task, weakness="")
 
     @property
     def _seconds(self) -> float:
         """How long the movement takes, without the rest at its end."""
         return self.task.reference.duration - self.movement.hold
-
-
-def _to(place: tuple[float, float], seconds: float, load_mass: float) -> str:
-    load = f" with {load_mass:g} kg" if load_mass else ""
-    return f"to x = {place[0]:g} m, y = {place[1]:g} m in {seconds:g} s{load}"
 
 
 def _weakness(feasibility: Feasibility) -> str:

@@ -1,6 +1,7 @@
 """Repertoires: YAML files that say which movements one policy learns, and how. drakearm ships some."""
 
 from dataclasses import field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +13,7 @@ from drakearm.experiments.catalog import find_file
 from drakearm.experiments.scenario import ArmName, Tracking, read_file
 from drakearm.files.fields import STRICT, FileName, PlainText, Whole
 from drakearm.learning import PpoSettings
-from drakearm.model import load_arm
+from drakearm.model import Arm, Obstacle, load_arm
 from drakearm.model.reference import Reference
 from drakearm.planning.library import Library
 from drakearm.planning.movement_source import Source
@@ -44,10 +45,15 @@ class Repertoire:
     arm: ArmName = "arm14"
     training: PpoSettings = field(default_factory=PpoSettings)
 
+    @cached_property
+    def loaded_arm(self) -> Arm:
+        """The arm of the file. Raises ArmError if there is none."""
+        return load_arm(self.arm)
+
     def task(self, reference: Reference, load_mass: float = 0.0) -> TrackingTask:
         """The task to follow a reference with a load (kg), with the senses, delay and randomization of the file."""
         return TrackingTask(
-            arm=load_arm(self.arm),
+            arm=self.loaded_arm,
             reference=reference,
             reward=self.tracking.reward,
             senses=observation_set(self.tracking.observation),
@@ -56,6 +62,13 @@ class Repertoire:
             senses_delay=self.senses_delay,
             randomization=self.randomization,
         )
+
+    def exact_task(
+        self, reference: Reference, load_mass: float = 0.0, obstacle: Obstacle | None = None
+    ) -> TrackingTask:
+        """`task` without what is random: the arm starts on the reference, and its body is as it is in the file."""
+        task = self.task(reference, load_mass)
+        return replace(task, start=ReferenceStart(), randomization=(), obstacle=obstacle)
 
     def tasks(self, library: Library) -> list[TrackingTask]:
         """The tasks of all movements of a library."""

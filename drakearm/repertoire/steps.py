@@ -16,7 +16,6 @@ from drakearm.experiments.steps import with_batches
 from drakearm.files.lock import locked
 from drakearm.files.writing import replacement
 from drakearm.learning import ArmVectorEnv, BatchReport, Policy, prepare, train
-from drakearm.model import load_arm
 from drakearm.planning.library import Library, plan_library
 from drakearm.repertoire.errors_picture import write_errors_picture
 from drakearm.repertoire.errors_table import held_out_errors
@@ -35,7 +34,7 @@ def library_of(
     """The library of movements in a file; it is planned if the file does not exist."""
     if not file.exists():
         report = (lambda done: on_planned(done, movements.count)) if on_planned else None
-        plan_library(load_arm(repertoire.arm), movements.source, movements.count, movements.seed, report).save(file)
+        plan_library(repertoire.loaded_arm, movements.source, movements.count, movements.seed, report).save(file)
     library = Library.load(file)
     if len(library.length) != movements.count:
         raise RunFolderError(f"{shown(file)} has {len(library.length)} movements: expected {movements.count}.")

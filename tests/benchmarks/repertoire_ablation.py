@@ -20,7 +20,6 @@ import torch
 from joblib import Parallel, delayed
 
 from drakearm.learning import ArmVectorEnv, Policy, prepare, train
-from drakearm.model import load_arm
 from drakearm.planning import Library, plan_library
 from drakearm.repertoire import Repertoire, held_out_errors, load_repertoire
 from drakearm.task import OBSERVATIONS, RewardWeights, TrackingTask
@@ -126,7 +125,7 @@ def main() -> None:
         parser.error(f"there is no variant {', '.join(sorted(unknown))}: expected names from {', '.join(VARIANTS)}")
     seeds, counts = (1, (4, 3)) if arguments.quick else (arguments.seeds, (MOVEMENTS, HELD_OUT))
     repertoire = load_repertoire("reaching")
-    arm, source = load_arm(repertoire.arm), repertoire.movements.source
+    arm, source = repertoire.loaded_arm, repertoire.movements.source
     with tempfile.TemporaryDirectory() as folder:
         files = [Path(folder, name) for name in ("library.npz", "held_out.npz")]
         for file, count, seed in zip(files, counts, (100, HELD_OUT_SEED), strict=True):
