@@ -4,13 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.errors import ImportingError
 from drakearm.importing import import_limb, write_limb
 from drakearm.model import load_arm
 from drakearm.model.musculature import muscle_geometry
-from drakearm.model.skeleton import add_skeleton
+from drakearm.model.skeleton import skeleton_plant
 
 HERE = Path(__file__).parent
 SHARED = Path(__file__).parents[3] / "shared"
@@ -48,13 +47,6 @@ def refusal(file, **options):
     return str(caught.value)
 
 
-def plant_of(arm):
-    plant = MultibodyPlant(time_step=0.0)
-    add_skeleton(plant, arm)
-    plant.Finalize()
-    return plant
-
-
 def postures(limb, number=20, inside=0.0):
     """Random joint angles (number, n_q) within the limits, or a fraction of the range inside of them."""
     lower, upper = np.array(list(limb.selection.limits.values())).T
@@ -64,12 +56,24 @@ def postures(limb, number=20, inside=0.0):
 
 def poses_in_drake(arm, q):
     """Body -> pose (4, 4) in the world."""
-    plant = plant_of(arm)
+    plant = skeleton_plant(arm)
     context = plant.CreateDefaultContext()
     plant.SetPositions(context, q)
     model = plant.GetModelInstanceByName(arm.name)
     bodies = [plant.get_body(i) for i in plant.GetBodyIndices(model)]
     return {body.name(): plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4() for body in bodies}
+
+
+def assert_bodies_are_in_place(limb, arm, program):
+    """Every body is where the program has it, in random postures."""
+    for q in postures(limb):
+        program.set_coordinates(dict(zip(arm.coordinates, q.tolist(), strict=True)))
+        ours = poses_in_drake(arm, q)
+        for link in limb.links:
+            if link.body:
+                shift = np.eye(4)
+                shift[:3, 3] = link.shift
+                np.testing.assert_allclose(ours[link.name] @ shift, program.poses()[link.name], atol=1e-9)
 
 
 def geometry(arm, q):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drakearm.importing.mujoco_model import MujocoProgram
-from tests.importing.limbs import HERE, changed, geometry, imported, plant_of, poses_in_drake, postures, refusal
+from drakearm.model.skeleton import skeleton_plant
+from tests.importing.limbs import HERE, assert_bodies_are_in_place, changed, geometry, imported, postures, refusal
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -17,16 +18,7 @@ def leg(tmp_path_factory):
 
 
 def test_every_body_is_where_mujoco_has_it(leg):
-    limb, arm = leg
-    program = MujocoProgram(LEG)
-    for q in postures(limb):
-        program.set_coordinates(dict(zip(arm.coordinates, q.tolist(), strict=True)))
-        ours = poses_in_drake(arm, q)
-        for link in limb.links:
-            if link.body:
-                shift = np.eye(4)
-                shift[:3, 3] = link.shift
-                np.testing.assert_allclose(ours[link.name] @ shift, program.poses()[link.name], atol=1e-9)
+    assert_bodies_are_in_place(*leg, MujocoProgram(LEG))
 
 
 def test_accelerations_are_those_of_mujoco(leg):
@@ -36,7 +28,7 @@ def test_accelerations_are_those_of_mujoco(leg):
     model.dof_damping[:] = 0.0
     model.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_LIMIT
     data = mujoco.MjData(model)
-    plant = plant_of(arm)
+    plant = skeleton_plant(arm)
     context = plant.CreateDefaultContext()
     for q in postures(limb):
         v = 3.0 * np.sin(10.0 * q)

@@ -1,25 +1,30 @@
 """A limb that is imported from OpenSim moves, weighs and pulls as it does there."""
 
 import math
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
 
+from drakearm.importing.opensim_file import import_opensim
 from drakearm.importing.opensim_model import OpenSimProgram
 from drakearm.model import load_arm
+from drakearm.model.skeleton import skeleton_plant
 from tests.importing.limbs import (
     HERE,
+    assert_bodies_are_in_place,
     changed,
     geometry,
     imported,
-    plant_of,
     poses_in_drake,
     postures,
     refusal,
     shared,
 )
 
-opensim = pytest.importorskip("opensim")
+if not find_spec("opensim"):
+    pytest.skip("OpenSim is not installed", allow_module_level=True)
+opensim = import_opensim()  # not with importorskip: that would leave OpenSim's library path to all later tests
 
 LEG = HERE / "leg.osim"
 TRANSLATION = ("<coefficients>0 0</coefficients>", "<coefficients>0.01 0</coefficients>")
@@ -31,16 +36,7 @@ def leg(tmp_path_factory):
 
 
 def test_every_body_is_where_opensim_has_it(leg):
-    limb, arm = leg
-    program = OpenSimProgram(LEG, {})
-    for q in postures(limb):
-        program.set_coordinates(dict(zip(arm.coordinates, q.tolist(), strict=True)))
-        ours = poses_in_drake(arm, q)
-        for link in limb.links:
-            if link.body:
-                shift = np.eye(4)
-                shift[:3, 3] = link.shift
-                np.testing.assert_allclose(ours[link.name] @ shift, program.poses()[link.name], atol=1e-9)
+    assert_bodies_are_in_place(*leg, OpenSimProgram(LEG, {}))
 
 
 def test_accelerations_are_those_of_opensim(leg):
@@ -51,7 +47,7 @@ def test_accelerations_are_those_of_opensim(leg):
     model.finalizeConnections()
     state = model.initSystem()
     coordinates = [model.getCoordinateSet().get(name) for name in arm.coordinates]
-    plant = plant_of(arm)
+    plant = skeleton_plant(arm)
     context = plant.CreateDefaultContext()
     for q in postures(limb):
         v = 3.0 * np.sin(10.0 * q)
@@ -173,7 +169,7 @@ def test_unknown_names_are_refused(options, expected):
 def test_the_tip_can_be_chosen(tmp_path):
     locks = {"hip_flexion": 0.0, "hip_adduction": 0.0}
     _, arm = imported(LEG, tmp_path / "leg", locks=locks, tip=("thigh", (0.1, 0.2, 0.3)))
-    plant = plant_of(arm)
+    plant = skeleton_plant(arm)
     frame = plant.GetFrameByName(arm.tip_frame)
     assert frame.body().name() == "thigh"
     np.testing.assert_allclose(frame.GetFixedPoseInBodyFrame().translation(), [0.1, 0.2, 0.3])
