@@ -13,8 +13,6 @@ from stable_baselines3.common.vec_env import VecEnv
 from drakearm.errors import TrainingError
 from drakearm.learning.arm_vector_env import ArmVectorEnv
 
-_NOTHING: dict[str, Any] = {}
-
 
 class Sb3VecEnv(VecEnv):
     """An `ArmVectorEnv` as a VecEnv of Stable-Baselines3, for example for PPO, SAC and TD3:
@@ -58,7 +56,7 @@ class Sb3VecEnv(VecEnv):
         done = terminated | truncated
         self._returns += reward
         self._lengths += 1
-        infos = [_NOTHING] * self.num_envs
+        infos: list[dict[str, Any]] = [{} for _ in done]
         for i in np.flatnonzero(done):
             infos[i] = {
                 "terminal_observation": info["final_obs"][i],
