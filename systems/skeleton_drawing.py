@@ -5,6 +5,8 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, RigidBody
 
+from drakearm.model import Arm
+from drakearm.model.skeleton import add_skeleton
 from drakearm.model.skeleton_file import LOAD
 from drakearm.systems.plain_bones import plain_bones
 
@@ -60,6 +62,15 @@ class SkeletonDrawing:
         """
         for index, path in self._bodies:
             self._meshcat.SetTransform(path, X_WB[index], time_in_recording)
+
+
+def drawn_skeleton(arm: Arm, load_mass: float = 0.0) -> tuple[MultibodyPlant, SceneGraph]:
+    """A finalized plant of an arm's skeleton with a load (kg), whose shapes are in a SceneGraph: for drawing."""
+    plant, scene_graph = MultibodyPlant(time_step=0.0), SceneGraph()
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_skeleton(plant, arm, load_mass)
+    plant.Finalize()
+    return plant, scene_graph
 
 
 def _shapes(

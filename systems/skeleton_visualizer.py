@@ -2,17 +2,16 @@
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.geometry import Meshcat, MeshcatVisualizerParams, SceneGraph
+from pydrake.geometry import Meshcat, MeshcatVisualizerParams
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import Context, LeafSystem
 
 from drakearm.model import Arm
-from drakearm.model.skeleton import add_skeleton
 from drakearm.systems.muscle_drawing import upright
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
-from drakearm.systems.skeleton_drawing import SkeletonDrawing
+from drakearm.systems.skeleton_drawing import SkeletonDrawing, drawn_skeleton
 
 _FORWARD, _UP = 0.35, 0.12  # of an oblique view, over the distance to the side
 FIELD_OF_VIEW = 30.0  # degrees
@@ -50,10 +49,7 @@ class SkeletonVisualizer(LeafSystem):
     ):
         """plant: the finalized plant of the Diagram, which may hold other things too. load_mass: kg."""
         super().__init__()
-        own, scene_graph = MultibodyPlant(time_step=0.0), SceneGraph()
-        own.RegisterAsSourceForSceneGraph(scene_graph)
-        add_skeleton(own, arm, load_mass)
-        own.Finalize()
+        own, scene_graph = drawn_skeleton(arm, load_mass)
         self._drawing = SkeletonDrawing(meshcat, path, own, scene_graph)
         names = [own.get_body(BodyIndex(i)).name() for i in range(own.num_bodies())]
         self._bodies = [int(plant.GetBodyByName(name).index()) if plant.HasBodyNamed(name) else 0 for name in names]

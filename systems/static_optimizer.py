@@ -1,13 +1,12 @@
 """StaticOptimizer: a controller that follows a reference by static optimization, without learning."""
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, LeafSystem, State
 
 from drakearm.model import Arm
 from drakearm.model.feedback import Feedback
 from drakearm.model.reference import CONTROL_STEP
-from drakearm.model.skeleton import add_skeleton, inverse_dynamics
+from drakearm.model.skeleton import inverse_dynamics, skeleton_plant
 from drakearm.model.static_optimization import acceleration_weighting, excitations_to_reach, static_activations
 
 FEEDBACK = Feedback(stiffness=400.0, damping=40.0)
@@ -66,9 +65,7 @@ class StaticOptimizer(LeafSystem):
         self._feedback = feedback
         self._priority = np.ones(len(arm.coordinates)) if priority is None else priority
         self._control_step = control_step
-        self._plant = MultibodyPlant(time_step=0.0)
-        add_skeleton(self._plant, arm, load_mass)
-        self._plant.Finalize()
+        self._plant = skeleton_plant(arm, load_mass)
         self._plant_context = self._plant.CreateDefaultContext()
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * n_q)

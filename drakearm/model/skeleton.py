@@ -65,10 +65,10 @@ def _draw_dumbbell(plant: MultibodyPlant, load: RigidBody, mass: float) -> None:
         )
 
 
-def skeleton_plant(arm: Arm) -> MultibodyPlant:
-    """A finalized plant with the skeleton alone. Raises ArmError as `add_skeleton` does."""
+def skeleton_plant(arm: Arm, load_mass: float = 0.0) -> MultibodyPlant:
+    """A finalized plant with the skeleton and a load (kg). Raises ArmError as `add_skeleton` does."""
     plant = MultibodyPlant(time_step=0.0)
-    add_skeleton(plant, arm)
+    add_skeleton(plant, arm, load_mass)
     plant.Finalize()
     return plant
 

@@ -5,14 +5,13 @@ import time
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatParams, Rgba, SceneGraph, Sphere
+from pydrake.geometry import Meshcat, MeshcatParams, Rgba, Sphere
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.model import Arm
-from drakearm.model.skeleton import add_skeleton
 from drakearm.model.skeleton_file import LOAD
 from drakearm.systems import upright
+from drakearm.systems.skeleton_drawing import drawn_skeleton
 
 FRAME = 0.03  # s, between two looks at the controls
 STOP, LAG = "stop", "lag (ms)"
@@ -97,10 +96,7 @@ class LivePage:
         self.meshcat.Delete(_LOAD)
         if mass == 0.0:
             return
-        plant, scene_graph = MultibodyPlant(time_step=0.0), SceneGraph()
-        plant.RegisterAsSourceForSceneGraph(scene_graph)
-        add_skeleton(plant, arm, mass)
-        plant.Finalize()
+        plant, scene_graph = drawn_skeleton(arm, mass)
         inspector = scene_graph.model_inspector()
         for k, shape in enumerate(plant.GetVisualGeometriesForBody(plant.GetBodyByName(LOAD))):
             color = inspector.GetIllustrationProperties(shape).GetProperty("phong", "diffuse")
