@@ -1,7 +1,5 @@
 """The torque of joint stops, which keep joints in their range, as compiled functions; and how strong the stops are."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from drakearm.model.arm import Arm
@@ -35,7 +33,6 @@ def joint_stop_torque(q, v, lower, upper, stiffness, damping):
     return -side * max(spring + damping * min(depth / SOFTENING, 1.0) * side * v, 0.0)
 
 
-@lru_cache(maxsize=8)
 def stop_strength(arm: Arm) -> tuple[np.ndarray, np.ndarray]:
     """The stiffness (n_q,), Nm/rad, and the damping (n_q,), Nm s/rad, of the stops of an arm.
 
