@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from scipy.integrate import cumulative_trapezoid
 
-from drakearm.figures.muscle_roles import ROLES
+from drakearm.figures.muscle_roles import ROLES, muscle_roles
 from drakearm.figures.raster import activation_bar, draw_raster, label_roles, raster_places
 from drakearm.figures.side_view import SideView, capsule_edge
 from drakearm.figures.style import (
@@ -152,8 +152,10 @@ def _draw_activations(figure: Figure, place: SubplotSpec, movement: Movement) ->
     """The raster, the roles of the muscles and the bar that explains the colors, all within a place of the figure."""
     raster, bar = raster_places(place)
     panel = figure.add_subplot(raster)
-    image = draw_raster(panel, movement.recording.t, movement.recording.activation, movement.task.arm)
-    label_roles(panel, movement.task.arm)
+    arm, recording = movement.task.arm, movement.recording
+    roles = muscle_roles(arm)
+    image = draw_raster(panel, recording.t, recording.activation, arm, roles)
+    label_roles(panel, roles)
     panel.set_title("activations", loc="left", fontsize=FONT + 1, fontweight="bold")
     panel.annotate(
         ROLES, (0.0, -0.19), xycoords="axes fraction", fontsize=SMALL, color=NOTE_COLOR, annotation_clip=False

@@ -10,7 +10,7 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 
-from drakearm.figures.muscle_roles import ROLES
+from drakearm.figures.muscle_roles import ROLES, muscle_roles
 from drakearm.figures.raster import activation_bar, draw_raster, label_roles, raster_places
 from drakearm.figures.side_view import SideView, capsule_edge
 from drakearm.figures.style import (
@@ -191,8 +191,9 @@ def _draw_activations(figure: Figure, place: SubplotSpec, report: PlanReport) ->
     feasibility = report.feasibility
     raster, bar = raster_places(place)
     panel = figure.add_subplot(raster)
-    image = draw_raster(panel, feasibility.t, feasibility.activation, report.arm)
-    label_roles(panel, report.arm)
+    roles = muscle_roles(report.arm)
+    image = draw_raster(panel, feasibility.t, feasibility.activation, report.arm, roles)
+    label_roles(panel, roles)
     lacking = np.abs(feasibility.reserve).max(axis=1) > feasibility.negligible
     title = "activations needed"
     if lacking.any():

@@ -1,5 +1,7 @@
 """A raster of activations over time: one row per muscle, ordered by joint and role."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -8,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.image import AxesImage
 
-from drakearm.figures.muscle_roles import muscle_roles
+from drakearm.figures.muscle_roles import Role
 from drakearm.figures.style import ACTIVATION, NOTE_COLOR, SMALL, TIME
 from drakearm.model import Arm
 
@@ -23,9 +25,11 @@ def activation_norm() -> PowerNorm:
     return PowerNorm(0.5, vmin=0.0, vmax=1.0)
 
 
-def draw_raster(panel: Axes, t: np.ndarray, activation: np.ndarray, arm: Arm) -> AxesImage:
-    """Activations (N, n) of an arm's muscles at evenly spaced times t (N,), s. Lines separate muscles by their role."""
-    roles = muscle_roles(arm)
+def draw_raster(panel: Axes, t: np.ndarray, activation: np.ndarray, arm: Arm, roles: Sequence[Role]) -> AxesImage:
+    """Activations (N, n) of an arm's muscles at evenly spaced times t (N,), s.
+
+    roles: of these muscles, see `muscle_roles`, in the order of the rows; lines separate them.
+    """
     rows = [i for role in roles for i in role.muscles]
     half = 0.5 * (t[1] - t[0])
     image = panel.imshow(
@@ -51,10 +55,10 @@ def raster_places(place: SubplotSpec) -> tuple[SubplotSpec, SubplotSpec]:
     return grid[0], grid[2]
 
 
-def label_roles(panel: Axes, arm: Arm) -> None:
+def label_roles(panel: Axes, roles: Sequence[Role]) -> None:
     """Says to the right of a raster what the muscles between two lines do."""
     first = 0
-    for role in muscle_roles(arm):
+    for role in roles:
         middle = first + 0.5 * len(role.muscles) - 0.5
         panel.annotate(
             role.label, (1.0, middle), xycoords=panel.get_yaxis_transform(), xytext=(5, 0),

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
-from drakearm.figures.muscle_roles import ROLES
+from drakearm.figures.muscle_roles import ROLES, muscle_roles
 from drakearm.figures.raster import activation_bar, draw_raster, label_roles
 from drakearm.figures.style import DEVIATION, LOAD, NOTE_COLOR, TIME, Look
 from drakearm.model import Arm
@@ -164,9 +164,10 @@ def draw_activations(movements: Movements) -> Figure:
             outcomes = by_method(movements.get(weighting.scenario(load), [])).get(method, [])
             if outcomes:
                 arm, runs = outcomes[0].task.arm, [run for outcome in outcomes for run in outcome.noisy]
-                image = draw_raster(panel, runs[0].t, np.mean([run.activation for run in runs], axis=0), arm)
+                roles, mean = muscle_roles(arm), np.mean([run.activation for run in runs], axis=0)
+                image = draw_raster(panel, runs[0].t, mean, arm, roles)
                 if k == len(LOADS) - 1:
-                    label_roles(panel, arm)
+                    label_roles(panel, roles)
             panel.set_title(f"{load} kg", loc="left", fontsize=FONT + 1, fontweight="bold")
             panel.xaxis.set_major_locator(MultipleLocator(0.5))
             panel.tick_params(labelleft=k == 0, labelbottom=row == 1)
