@@ -2,14 +2,19 @@
 
 from typing import Any
 
-ASSUMED: dict[str, Any] = {
-    "minimum_activation": 0.01,
+from drakearm.model import Muscle
+
+_GENERIC = (  # the defaults of drakearm, which says their sources
+    "minimum_activation",
+    "passive_strain",
+    "active_width",
+    "force_velocity_shape",
+    "eccentric_force",
+    "specific_tension",
+    "slow_twitch_fraction",
+)
+# Tendon and passive curve are those of OpenSim's DeGrooteFregly2016Muscle.
+ASSUMED: dict[str, Any] = {name: Muscle.__dataclass_fields__[name].default for name in _GENERIC} | {
     "tendon_strain": 0.049,
-    "passive_strain": 0.6,
     "passive_shape": 4.0,
-    "active_width": 0.45,
-    "force_velocity_shape": 0.25,
-    "eccentric_force": 1.4,
-    "specific_tension": 0.25e6,  # as OpenSim's metabolics probe assumes, and the next
-    "slow_twitch_fraction": 0.5,
 }
