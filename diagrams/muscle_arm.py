@@ -1,6 +1,7 @@
 """The arm with its muscles, as a part of a Diagram."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
@@ -17,8 +18,11 @@ from drakearm.model.musculature import RESTING_ACTIVATION, require_state
 from drakearm.model.obstacle import Obstacle, add_obstacle
 from drakearm.model.skeleton import add_skeleton, load_inertia, neutral_posture
 from drakearm.model.skeleton_file import LOAD
-from drakearm.systems.hill_muscles import HillMuscles
-from drakearm.systems.joint_stops import JointStops
+from drakearm.systems.hill_muscles import HillMuscles_
+from drakearm.systems.joint_stops import JointStops_
+
+if TYPE_CHECKING:
+    from drakearm.systems import HillMuscles, JointStops
 
 TIME_STEP = 1e-3  # s
 
@@ -29,8 +33,8 @@ class MuscleArm:
 
     arm: Arm
     plant: MultibodyPlant
-    muscles: HillMuscles
-    stops: JointStops | None
+    muscles: "HillMuscles"
+    stops: "JointStops | None"
     load_mass: float = 0.0  # kg, in the hand
 
     def SetState(
@@ -112,14 +116,16 @@ def AddMuscleArm(
         )
         if plant.num_collision_geometries() > 0:
             _let_bodies_pass(builder, plant, scene_graph)
-    muscles = builder.AddNamedSystem("muscles", HillMuscles(arm, time_step))
+    muscles = builder.AddNamedSystem("muscles", HillMuscles_[float](arm, time_step))
     builder.Connect(plant.get_state_output_port(), muscles.GetInputPort("arm_state"))
     torque = muscles.GetOutputPort("generalized_force")
     joint_stops = None
     if stops:
         joint_stops = builder.AddNamedSystem(
             "stops",
-            JointStops(plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits(), time_step, *stop_strength(arm)),
+            JointStops_[float](
+                plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits(), time_step, *stop_strength(arm)
+            ),
         )
         builder.Connect(plant.get_state_output_port(), joint_stops.GetInputPort("arm_state"))
         total = builder.AddNamedSystem("joint_torque", Adder(2, len(arm.coordinates)))

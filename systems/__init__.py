@@ -1,10 +1,12 @@
 """The Systems of drakearm, one per file."""
 
+from typing import TYPE_CHECKING, Any
+
 from drakearm.systems.collocation_mpc import CollocationMpc
-from drakearm.systems.compiled_skeleton import CompiledSkeleton
+from drakearm.systems.compiled_skeleton import CompiledSkeleton_
 from drakearm.systems.delay_line import DelayLine
-from drakearm.systems.hill_muscles import HillMuscles, HillMuscles_
-from drakearm.systems.joint_stops import JointStops
+from drakearm.systems.hill_muscles import HillMuscles_
+from drakearm.systems.joint_stops import JointStops_
 from drakearm.systems.muscle_drawing import upright
 from drakearm.systems.muscle_visualizer import MuscleVisualizer
 from drakearm.systems.noise import Noise
@@ -32,3 +34,17 @@ __all__ = [
     "TrackingReward",
     "upright",
 ]
+
+# The instantiations for doubles. Drake takes 0.1 s for each that is made during an import, and no time later.
+if TYPE_CHECKING:
+    CompiledSkeleton, HillMuscles, JointStops = CompiledSkeleton_[None], HillMuscles_[None], JointStops_[None]
+else:
+    _TEMPLATES = {"CompiledSkeleton": CompiledSkeleton_, "HillMuscles": HillMuscles_, "JointStops": JointStops_}
+
+    def __getattr__(name: str) -> Any:
+        if name not in _TEMPLATES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return globals().setdefault(name, _TEMPLATES[name][None])
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *_TEMPLATES})

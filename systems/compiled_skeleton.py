@@ -1,5 +1,7 @@
 """CompiledSkeleton: the skeleton's dynamics as a System that can be differentiated quickly."""
 
+import sys
+
 import numpy as np
 from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, InitializeAutoDiff
 from pydrake.systems.framework import Context, ContinuousState, LeafSystem_
@@ -10,7 +12,7 @@ from drakearm.model.dynamics_jacobian import linearize_dynamics
 from drakearm.model.dynamics_table import DynamicsTable
 
 
-@TemplateSystem.define("CompiledSkeleton_", T_list=[float, AutoDiffXd])
+@TemplateSystem.define("CompiledSkeleton_", T_list=[float, AutoDiffXd], scope=sys.modules[__name__])
 def CompiledSkeleton_(T):
     class Impl(LeafSystem_[T]):
         """A tree of revolute joints driven by torques: the equations of a MultibodyPlant, compiled, for planning.
@@ -58,6 +60,3 @@ def CompiledSkeleton_(T):
             derivatives.SetFromVector(np.concatenate([arm_state[n_q:], a]))
 
     return Impl
-
-
-CompiledSkeleton = CompiledSkeleton_[None]

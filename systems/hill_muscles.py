@@ -1,5 +1,7 @@
 """HillMuscles: the muscles of an arm as a System."""
 
+import sys
+
 import numpy as np
 from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, InitializeAutoDiff
 from pydrake.common.value import AbstractValue
@@ -32,7 +34,7 @@ from drakearm.model.musculature import (
 _REPORT = ("active_force", "passive_force", "fiber_power", "tendon_power", "metabolic_power")
 
 
-@TemplateSystem.define("HillMuscles_", T_list=[float, AutoDiffXd])
+@TemplateSystem.define("HillMuscles_", T_list=[float, AutoDiffXd], scope=sys.modules[__name__])
 def HillMuscles_(T):
     class Impl(LeafSystem_[T]):
         """The muscles of an arm: excitations drive them, and they pull on the arm's joints.
@@ -310,6 +312,3 @@ def HillMuscles_(T):
             derivatives.SetFromVector(rates)
 
     return Impl
-
-
-HillMuscles = HillMuscles_[None]

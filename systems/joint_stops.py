@@ -1,5 +1,7 @@
 """JointStops: springs and dampers that keep joints inside their range."""
 
+import sys
+
 import numpy as np
 from pydrake.autodiffutils import AutoDiffXd
 from pydrake.systems.framework import BasicVector_, Context, DiscreteValues, LeafSystem_
@@ -15,7 +17,7 @@ from drakearm.model.joint_stops import (
 )
 
 
-@TemplateSystem.define("JointStops_", T_list=[float, AutoDiffXd])
+@TemplateSystem.define("JointStops_", T_list=[float, AutoDiffXd], scope=sys.modules[__name__])
 def JointStops_(T):
     class Impl(LeafSystem_[T]):
         """Springs and dampers that act on joints only beyond the ends of their range (`joint_stop_torque`).
@@ -95,6 +97,3 @@ def JointStops_(T):
             output.SetFromVector(tau)
 
     return Impl
-
-
-JointStops = JointStops_[None]

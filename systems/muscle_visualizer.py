@@ -1,5 +1,7 @@
 """MuscleVisualizer: draws the muscles of an arm in Meshcat, colored by their activation."""
 
+from typing import TYPE_CHECKING
+
 from pydrake.common.value import Value
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
@@ -7,8 +9,10 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
 
 from drakearm.model import Arm
-from drakearm.systems.hill_muscles import HillMuscles
 from drakearm.systems.muscle_drawing import MuscleDrawing
+
+if TYPE_CHECKING:
+    from drakearm.systems import HillMuscles
 
 _REPEAT = 8  # draws, after which all colors are sent again
 
@@ -54,7 +58,7 @@ class MuscleVisualizer(LeafSystem):
 
     @staticmethod
     def AddToBuilder(
-        builder: DiagramBuilder, plant: MultibodyPlant, muscles: HillMuscles, meshcat: Meshcat
+        builder: DiagramBuilder, plant: MultibodyPlant, muscles: "HillMuscles", meshcat: Meshcat
     ) -> "MuscleVisualizer":
         """Adds a MuscleVisualizer and connects it to the plant and the muscles."""
         visualizer = MuscleVisualizer(muscles.arm, plant, meshcat)

@@ -13,7 +13,7 @@ from drakearm.model.dynamics_table import read_dynamics
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.points import PointTable, read_points
 from drakearm.model.skeleton import gravity_torque
-from drakearm.systems import CompiledSkeleton
+from drakearm.systems.compiled_skeleton import CompiledSkeleton_
 
 ROUNDING = 1e-9  # rad, by which an angle may exceed its limit, so that a posture at a limit is allowed
 
@@ -32,7 +32,7 @@ class PlanningModel:
         # The plant's motors do not clamp. The problem's bounds limit the torques, and a clamp would hide a violation.
         self.plant: MultibodyPlant = MakeTorqueArm(arm, load_mass)
         self.dynamics = read_dynamics(self.plant)
-        self.system = CompiledSkeleton(self.dynamics)
+        self.system = CompiledSkeleton_[float](self.dynamics)
         self.lower, self.upper = self.plant.GetPositionLowerLimits(), self.plant.GetPositionUpperLimits()
         if obstacle is not None and not arm.outline:
             raise PlanningError(
