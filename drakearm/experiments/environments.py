@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,6 @@ from drakearm.diagrams import MakeTrackingTask
 from drakearm.experiments.choices import EnvKind
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv, DiagramEnv
-from drakearm.model import load_arm
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.planning import plan
 from drakearm.task import TrackingTask, check_interchangeable
@@ -97,7 +96,10 @@ def make_vector_env(scenario: str | Path | Sequence[str | Path], num_envs: int) 
 
 def scenario_task(scenario: str | Path, reference: Reference | None = None) -> TrackingTask:
     """The task of a scenario (name or file). Without a reference, the scenario is planned."""
-    return load_scenario(scenario).task(reference or _planned(scenario))
+    loaded = load_scenario(scenario)
+    return loaded.task(
+        reference or plan(loaded.loaded_arm, loaded.movement, loaded.load_mass, loaded.obstacle).reference
+    )
 
 
 def make_task_env(task: TrackingTask | Sequence[TrackingTask], render_mode: str | None = None) -> DiagramEnv:
@@ -157,9 +159,3 @@ def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorE
         context="fork",
         autoreset_mode=AutoresetMode.SAME_STEP,
     )
-
-
-@lru_cache(maxsize=32)
-def _planned(scenario: str | Path) -> Reference:
-    loaded = load_scenario(scenario)
-    return plan(load_arm(loaded.arm), loaded.movement, loaded.load_mass, loaded.obstacle).reference

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Mapping
 from dataclasses import field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -19,7 +20,7 @@ from drakearm.files import read_yaml
 from drakearm.files.fields import STRICT, FileName, NonNegative, PlainText
 from drakearm.files.problems import describe
 from drakearm.learning import PAPER, PpoSettings
-from drakearm.model import load_arm
+from drakearm.model import Arm, load_arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
 from drakearm.planning import Movement
@@ -77,13 +78,18 @@ class Scenario:
                 raise ValueError(f"found two criteria with the name {name}, expected different ones")
         return success
 
+    @cached_property
+    def loaded_arm(self) -> Arm:
+        """The arm of the file. Raises ArmError if there is none."""
+        return load_arm(self.arm)
+
     def task(self, reference: Reference) -> TrackingTask:
         """The task to follow a reference, with the senses, reward, start, load and obstacle of the scenario.
 
         Raises ScenarioError or TaskError if the scenario's criteria of success, or its reward, do not fit the arm.
         """
         task = TrackingTask(
-            arm=load_arm(self.arm),
+            arm=self.loaded_arm,
             reference=reference,
             reward=self.tracking.reward,
             senses=observation_set(self.tracking.observation),

@@ -19,7 +19,6 @@ from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import load_scenario
 from drakearm.figures import Movement, write_movement_picture, write_plan_picture
 from drakearm.learning import BatchReport, Policy, PpoSettings, prepare, train
-from drakearm.model import load_arm
 from drakearm.model.loader import arm_folder
 from drakearm.model.recording import Recording, save_recordings
 from drakearm.planning import plan
@@ -39,7 +38,7 @@ def plan_step(
     the preset of the scenario, for the later training.
     """
     loaded = load_scenario(scenario)
-    arm = load_arm(loaded.arm)
+    arm = loaded.loaded_arm
     planned = plan(arm, loaded.movement, loaded.load_mass, loaded.obstacle, horizon)
     feasibility = muscle_feasibility(arm, planned.reference, loaded.load_mass)
     report = PlanReport(
@@ -178,7 +177,7 @@ def replay_step(run: RunFolder) -> Path:
         with run.replacing("replay", arm_folder(scenario.arm)) as new:
             write_replay(
                 new.path("replay"),
-                load_arm(scenario.arm),
+                scenario.loaded_arm,
                 recording,
                 load_mass=scenario.load_mass,
                 obstacle=scenario.obstacle,

@@ -8,7 +8,6 @@ import numpy as np
 from drakearm.errors import PlanningError
 from drakearm.experiments import RunFolder, Scenario
 from drakearm.experiments.success import HandAtGoal, SuccessCriterion
-from drakearm.model import load_arm
 from drakearm.model.reference import Reference
 from drakearm.planning import Feasibility, Movement, PlanningModel, muscle_feasibility, plan, posture_at, reach
 from drakearm.repertoire.repertoire import Repertoire
@@ -44,7 +43,7 @@ class PlannedMovement:
     @classmethod
     def of_scenario(cls, scenario: Scenario) -> "PlannedMovement":
         """Plans the movement of a scenario. Raises PlanningError if there is no plan."""
-        arm = load_arm(scenario.arm)
+        arm = scenario.loaded_arm
         reference = plan(arm, scenario.movement, scenario.load_mass, scenario.obstacle).reference
         feasibility = muscle_feasibility(arm, reference, scenario.load_mass)
         return cls(

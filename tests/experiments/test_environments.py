@@ -1,6 +1,8 @@
 """The environments as Gymnasium makes them: one Diagram, or many compiled arms, for one scenario or several."""
 
 import re
+import subprocess
+import sys
 import warnings
 from collections import defaultdict
 from dataclasses import replace
@@ -21,6 +23,30 @@ def make_vec(**kwargs):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         return gymnasium.make_vec("drakearm/Track-v0", **kwargs)
+
+
+def test_a_changed_scenario_file_is_planned_again(tmp_path):
+    """Also in the same process: a notebook changes a file and makes the environment anew."""
+    file = tmp_path / "mine.yaml"
+    steps = []
+    for name in ("timing-0.4s", "timing-0.7s"):
+        file.write_text(scenario_files()[name].read_text())
+        steps.append(gymnasium.make("drakearm/Track-v0", scenario=file).spec.max_episode_steps)
+    assert steps[0] < steps[1]
+
+
+def test_an_environment_imports_only_what_it_needs():
+    """Each of these takes 0.1 s or more, and a program waits for its first environment."""
+    code = """
+import sys, gymnasium, drakearm
+env = gymnasium.make("drakearm/Track-v0", scenario="reach-000")
+env.reset(seed=0)
+env.step(env.action_space.sample())
+print(*{"joblib", "matplotlib", "scipy.interpolate", "scipy.optimize", "torch"} & set(sys.modules))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == ""
 
 
 def test_make_vec_makes_compiled_arms():
