@@ -4,13 +4,13 @@ from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
+import scipy
 from pydantic import Field, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 from pydrake.common import RandomDistribution
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, LinearTransformDensity, Saturation, SparseMatrixGain, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
-from scipy.sparse import csc_matrix
 
 from drakearm.diagrams.muscle_arm import TIME_STEP, MuscleArm
 from drakearm.diagrams.perturbation import Perturbation
@@ -74,7 +74,7 @@ class MotorNoise(Perturbation):
         n = excitation.size()
         u = self.add_system(builder, Saturation(np.zeros(n), np.ones(n)))
         rows = np.arange(n) * (n + 1)  # of the diagonal of a matrix (n, n), whose columns stand one below the other
-        diagonal = csc_matrix((np.full(n, self.share), (rows, np.arange(n))), shape=(n * n, n))
+        diagonal = scipy.sparse.csc_matrix((np.full(n, self.share), (rows, np.arange(n))), shape=(n * n, n))
         deviation = self.add_system(builder, SparseMatrixGain(diagonal))
         w = self.add_system(builder, Noise(n, CONTROL_STEP))
         noisy = self.add_system(builder, LinearTransformDensity(RandomDistribution.kGaussian, n, n))  # u + deviation w

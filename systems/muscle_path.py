@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
-from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.model import Arm
 from drakearm.model.arm import Muscle
@@ -42,7 +42,7 @@ def smoothing(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     place = np.interp(samples, at, own)
     if len(own) == 2:
         return straight, straight, place
-    return CubicHermiteSpline(at, chosen, np.gradient(chosen, at, axis=0))(samples), straight, place
+    return scipy.interpolate.CubicHermiteSpline(at, chosen, np.gradient(chosen, at, axis=0))(samples), straight, place
 
 
 class MusclePaths:

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint
-from scipy.spatial.transform import Rotation
 
 
 class Poses(NamedTuple):
@@ -44,7 +44,8 @@ def body_poses(plant: MultibodyPlant, bodies: Iterable[str], q: np.ndarray) -> d
             joint = inboard[body.index()]
             poses = poses_of(joint.parent_body()).moved(joint.frame_on_parent().GetFixedPoseInBodyFrame())
             if isinstance(joint, RevoluteJoint):
-                turned = Rotation.from_rotvec(q[:, joint.position_start(), None] * joint.revolute_axis()).as_matrix()
+                about = q[:, joint.position_start(), None] * joint.revolute_axis()
+                turned = scipy.spatial.transform.Rotation.from_rotvec(about).as_matrix()
                 poses = Poses(poses.rotation @ turned, poses.position)
             known[body.index()] = poses.moved(joint.frame_on_child().GetFixedPoseInBodyFrame().inverse())
         return known[body.index()]

@@ -1,8 +1,8 @@
 """How far the parts of an arm are from an obstacle, compiled, with derivatives."""
 
 import numpy as np
+import scipy
 from pydrake.multibody.plant import MultibodyPlant
-from scipy.interpolate import CubicHermiteSpline
 
 from drakearm.model.arm import Arm
 from drakearm.model.obstacle import Obstacle
@@ -35,7 +35,7 @@ class Clearance:
         angles and speeds.
         """
         times = np.linspace(t[0], t[-1], round((t[-1] - t[0]) / _DENSE) + 1)
-        return times, np.array([self(posture)[0] for posture in CubicHermiteSpline(t, q, v)(times)])
+        return times, np.array([self(posture)[0] for posture in scipy.interpolate.CubicHermiteSpline(t, q, v)(times)])
 
 
 @compiled

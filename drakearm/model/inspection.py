@@ -3,15 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drakearm.model.arm import Arm, Muscle
-from drakearm.model.fitted_paths import FittedPath
 from drakearm.model.musculature import RESTING_ACTIVATION, muscle_geometry
 from drakearm.model.skeleton import position_ranges, skeleton_plant
 from drakearm.muscle import models
 from drakearm.muscle.contraction import equilibrium_fiber_length
+
+if TYPE_CHECKING:
+    from drakearm.model.fitted_paths import FittedPath
 
 _SAMPLES = 181  # in a range of angles or path lengths
 _GRID = 9  # angles of each of the other joints, for a length that is no sum of one function per coordinate
@@ -96,13 +99,13 @@ class Inspection:
     ranges: dict[str, Interval]  # rad, of the joints
     neutral: dict[str, float]
     muscles: tuple[MuscleInspection, ...]
-    fitted: Mapping[str, FittedPath]
+    fitted: "Mapping[str, FittedPath]"
     optimal_posture: Mapping[str, np.ndarray]
 
 
 def inspect_arm(
     arm: Arm,
-    fitted: Mapping[str, FittedPath] = MappingProxyType({}),
+    fitted: "Mapping[str, FittedPath]" = MappingProxyType({}),
     optimal_posture: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> Inspection:
     """Inspects every muscle over the joint ranges of the skeleton. `inspect_arm(*load_limb(folder))` knows all.

@@ -4,17 +4,19 @@ import logging
 from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
 
 from drakearm.errors import ArmError, shown
 from drakearm.model.arm import Arm, Muscle
-from drakearm.model.fitted_paths import FittedPath, fit_points
 from drakearm.model.musculature import muscle_geometry
 from drakearm.model.point_paths import described_posture
 from drakearm.model.skeleton import position_ranges, skeleton_plant
+
+if TYPE_CHECKING:
+    from drakearm.model.fitted_paths import FittedPath
 
 # Instead of a slack length that `complete` determines, so that the rest of the file can be checked: any allowed number.
 SLACK_LENGTH_TO_COME = 1.0
@@ -25,7 +27,7 @@ class Limb(NamedTuple):
     """An arm, and what `load_limb` has computed of it because its file leaves it out."""
 
     arm: Arm
-    fitted: dict[str, FittedPath]  # of muscles: path functions that are fitted to their points
+    fitted: "dict[str, FittedPath]"  # of muscles: path functions that are fitted to their points
     # Of muscles: the joint angles (n_q,), rad, that determine the slack length of the tendon. There the fiber is
     # optimal while the tendon is just taut.
     optimal_posture: dict[str, np.ndarray]
@@ -40,6 +42,8 @@ def complete(arm: Arm, file: Path, without_slack_length: Collection[str]) -> Lim
     without_path = tuple(muscle for muscle in arm.muscles if not muscle.path)
     if not without_path:
         return Limb(arm, {}, {})
+    from drakearm.model.fitted_paths import fit_points  # with parts of SciPy that take 0.3 s to import
+
     plant = skeleton_plant(arm)
     fits = fit_points(plant, arm, without_path, file)
     fitted = {muscle.name: fit for muscle, fit in zip(without_path, fits, strict=True)}
@@ -69,7 +73,7 @@ def _with_slack_length(arm: Arm, muscle: Muscle, path: float, q: np.ndarray, fil
         ) from error
 
 
-def _warn_of_misfit(file: Path, muscle: str, fit: FittedPath) -> None:
+def _warn_of_misfit(file: Path, muscle: str, fit: "FittedPath") -> None:
     """Once per process, because an arm is loaded many times."""
     if not fit.is_good and (file, muscle) not in _warned:
         _warned.add((file, muscle))

@@ -5,9 +5,9 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo, field_validator
 from pydantic.dataclasses import dataclass
-from scipy.interpolate import BSpline
 
 from drakearm.files.fields import STRICT
+from drakearm.model.bspline import Spline
 from drakearm.model.fields import Angle, Length, Name, each_once
 
 _CLOSEST_KNOTS = 1e-6  # rad
@@ -61,9 +61,9 @@ class PathTerm:
         return (self.coordinate,)
 
     @property
-    def spline(self) -> BSpline:
+    def spline(self) -> Spline:
         degree = len(self.knots) - len(self.coefficients) - 1
-        return BSpline(np.array(self.knots), np.array(self.coefficients), degree)
+        return Spline(np.array(self.knots), np.array(self.coefficients), degree)
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
@@ -106,11 +106,11 @@ class TensorTerm:
         return coefficients
 
     @property
-    def splines(self) -> tuple[BSpline, ...]:
+    def splines(self) -> tuple[Spline, ...]:
         """The functions B of each coordinate: the value of a spline at an angle is the array of all functions."""
         counts = np.shape(self.coefficients)
         return tuple(
-            BSpline(np.array(knots), np.eye(count), len(knots) - count - 1)
+            Spline(np.array(knots), np.eye(count), len(knots) - count - 1)
             for knots, count in zip(self.knots, counts, strict=True)
         )
 

@@ -8,13 +8,12 @@ its tangent. A moment arm is minus the derivative of the same spline, so lengths
 spline each lane is in. tests/model/test_paths.py compares the two. `drakearm.muscle.compiled` explains lanes.
 """
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
 
+from drakearm.model.bspline import Spline
 from drakearm.model.tensor_paths import evaluate_tensor, tensor_curvature, tensor_rows, tensor_scratch
 from drakearm.muscle.compiled import fma, inlined, inner
 
@@ -22,8 +21,8 @@ _LEAST_ORDER = 4  # coefficients per piece, at least: those of a cubic spline, a
 
 
 def make_path_table(
-    terms: Sequence[tuple[int, int, BSpline]],
-    tensor_terms: Sequence[tuple[int, Sequence[int], Sequence[BSpline], np.ndarray]] = (),
+    terms: Sequence[tuple[int, int, Spline]],
+    tensor_terms: Sequence[tuple[int, Sequence[int], Sequence[Spline], np.ndarray]] = (),
 ) -> np.ndarray:
     """The terms (muscle, coordinate, spline) as a table of polynomial pieces, for the compiled functions.
 
@@ -41,21 +40,16 @@ def make_path_table(
     order = max([_LEAST_ORDER] + [spline.k + 1 for _, _, spline in terms])
     rows = [np.zeros((0, 1 + order))]
     before: tuple[int, list[float]] = (-1, [])
-    for muscle, coordinate, spline in sorted(terms, key=lambda term: (term[1], _knots(term[2]))):
-        knots = np.array(_knots(spline))
+    for muscle, coordinate, spline in sorted(terms, key=lambda term: (term[1], term[2].knots.tolist())):
+        knots = spline.knots
         header, pieces = np.zeros((1, 1 + order)), np.zeros((len(knots), 1 + order))
-        header[0, :4] = muscle, coordinate, len(knots), before == (coordinate, _knots(spline))
+        header[0, :4] = muscle, coordinate, len(knots), before == (coordinate, knots.tolist())
         pieces[:, 0] = knots
-        for j in range(spline.k + 1):
-            pieces[:-1, 1 + j] = spline(knots[:-1], nu=j) / math.factorial(j)
+        pieces[:-1, 1 : 2 + spline.k] = spline.powers()
         rows += [header, pieces]
-        before = (coordinate, _knots(spline))
+        before = (coordinate, knots.tolist())
     rows += [tensor_rows(*term, width=1 + order) for term in tensor_terms]
     return np.concatenate(rows)
-
-
-def _knots(spline: BSpline) -> list[float]:
-    return np.unique(spline.t[spline.k : len(spline.t) - spline.k]).tolist()
 
 
 def count_slopes(paths: np.ndarray) -> int:

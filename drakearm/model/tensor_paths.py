@@ -13,28 +13,25 @@ A term in the table of `drakearm.model.paths` is:
   the index of the last coordinate changes first.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import BSpline
 
+from drakearm.model.bspline import Spline
 from drakearm.muscle.compiled import inner
 
 
 def tensor_rows(
-    muscle: int, coordinates: Sequence[int], splines: Sequence[BSpline], coefficients: np.ndarray, width: int
+    muscle: int, coordinates: Sequence[int], splines: Sequence[Spline], coefficients: np.ndarray, width: int
 ) -> np.ndarray:
     """The rows of one term. splines: the B-splines of each coordinate, as of `TensorTerm`. width: of the table."""
     count, order = len(coordinates), max(spline.k for spline in splines) + 1
     numbers: list[np.ndarray] = []
     cells = np.array(coefficients)
     for axis, spline in enumerate(splines):
-        knots = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
-        powers = np.zeros((len(knots) - 1, order, len(spline.c)))
-        for o in range(spline.k + 1):
-            powers[:, o] = spline(knots[:-1], nu=o) / math.factorial(o)
-        numbers.append(knots)
+        powers = np.zeros((len(spline.knots) - 1, order, len(spline.c)))
+        powers[:, : spline.k + 1] = spline.powers()
+        numbers.append(spline.knots)
         cells = np.tensordot(powers, cells, axes=(2, 2 * axis))  # piece, power, and the other axes
         cells = np.moveaxis(cells, (0, 1), (2 * axis, 2 * axis + 1))
     cells = cells.transpose(*range(0, 2 * count, 2), *range(1, 2 * count, 2))

@@ -3,10 +3,10 @@
 from itertools import product
 
 import numpy as np
+import scipy
 from pydantic import field_validator
 from pydantic.dataclasses import dataclass
 from pydrake.solvers import Binding
-from scipy.optimize import minimize
 
 from drakearm.errors import PlanningError
 from drakearm.files.fields import STRICT, Finite, NonNegative
@@ -60,7 +60,7 @@ class HandPosition(CostPiece):
         upper = np.where(np.isfinite(model.upper), model.upper, np.pi)
         bounds = list(zip(lower, np.maximum(lower, upper), strict=True))
         starts = product(*[(0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high) for low, high in bounds])
-        nearest = min(minimize(squared, np.array(q), jac=True, bounds=bounds).fun for q in starts) ** 0.5
+        nearest = min(scipy.optimize.minimize(squared, np.array(q), jac=True, bounds=bounds).fun for q in starts) ** 0.5
         if nearest > _REACHED:
             raise PlanningError(
                 f"The hand position {list(self.position)} m is out of reach: within the joint limits the hand comes no "

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from drakearm.errors import PlanningError, RunFolderError, shown
 from drakearm.files.arrays import Layout, load_arrays, save_arrays
@@ -71,6 +70,8 @@ def plan_library(
     each movement with the number of those that are planned. jobs: how many processes; -1: one per core. Raises
     PlanningError if the muscles cannot make what the source draws.
     """
+    from joblib import Parallel, delayed  # only here: it takes 0.1 s to import
+
     planned = []
     work = (delayed(_plan_one)(arm, source, [seed, k]) for k in range(count))
     for one in Parallel(jobs, return_as="generator", inner_max_num_threads=1, backend="loky")(work):

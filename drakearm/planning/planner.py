@@ -4,8 +4,8 @@ import time
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from pydrake.trajectories import PiecewisePolynomial
-from scipy.optimize import minimize_scalar
 
 from drakearm.diagrams import MakeMpcLoop
 from drakearm.errors import PlanningError
@@ -136,7 +136,8 @@ def _best_duration(model: PlanningModel, movement: Movement) -> Plan:
     cost(longest)
     end = time.thread_time() + _LONGEST_SEARCH  # what is compiled during the first plan does not count
     cost(shortest)
-    minimize_scalar(cost, bounds=(shortest, longest), method="bounded", options={"xatol": 0.5 * CONTROL_STEP})
+    options = {"xatol": 0.5 * CONTROL_STEP}
+    scipy.optimize.minimize_scalar(cost, bounds=(shortest, longest), method="bounded", options=options)
     succeeded = [found for found in plans.values() if isinstance(found, Plan)]
     if not succeeded:
         failed = plans[max(plans)]

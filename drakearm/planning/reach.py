@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from pydrake.trajectories import PiecewisePolynomial
-from scipy.optimize import least_squares
 
 from drakearm.errors import PlanningError
 from drakearm.model.arm import Arm
@@ -56,9 +56,9 @@ def posture_at(model: PlanningModel, x: float, y: float, near: np.ndarray) -> np
     lower, upper = np.maximum(model.lower, -math.pi), np.minimum(model.upper, math.pi)
     axes = [np.linspace(low, high, _STARTS + 2)[1:-1] for low, high in zip(lower, upper, strict=True)]
     starts = [near.clip(lower + 1e-6, upper - 1e-6), *np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, len(near))]
-    found = [least_squares(miss, start, bounds=(lower, upper), xtol=1e-10) for start in starts[:1]]
+    found = [scipy.optimize.least_squares(miss, start, bounds=(lower, upper), xtol=1e-10) for start in starts[:1]]
     if np.linalg.norm(found[0].fun) > _EXACT:
-        found += [least_squares(miss, start, bounds=(lower, upper), xtol=1e-10) for start in starts[1:]]
+        found += [scipy.optimize.least_squares(miss, start, bounds=(lower, upper), xtol=1e-10) for start in starts[1:]]
     exact = [each for each in found if np.linalg.norm(each.fun) <= _EXACT]
     if not exact:
         best = min(np.linalg.norm(each.fun) for each in found)

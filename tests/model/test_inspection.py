@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
 from drakearm.errors import EquilibriumError
@@ -51,7 +52,7 @@ def test_the_range_of_a_joint_without_limits_is_one_turn(arm, tmp_path):
 def test_lengths_and_moment_arms_are_those_of_the_splines(inspection):
     """The splines continue along their tangents, so the extremes of the slope lie inside the knots."""
     for inspected in inspection.muscles:
-        splines = {term.coordinate: term.spline for term in inspected.muscle.path}
+        splines = {term.coordinate: BSpline(*term.spline) for term in inspected.muscle.path}
         assert [c.coordinate for c in inspected.crossings] == [c for c in inspection.ranges if c in splines]
         for crossing in inspected.crossings:
             joint, spline = inspection.ranges[crossing.coordinate], splines[crossing.coordinate]
@@ -99,7 +100,7 @@ def test_angles_without_equilibrium_are_reported(arm):
     activation = np.full(len(arm.muscles), RESTING_ACTIVATION)
     with pytest.raises(EquilibriumError, match="BIClong"):
         equilibrium_fiber_lengths(longer, np.array([[shoulder.upper, elbow.upper]]), activation)
-    splines = {term.coordinate: term.spline for term in muscle(inspect_arm(longer), "BIClong").muscle.path}
+    splines = {term.coordinate: BSpline(*term.spline) for term in muscle(inspect_arm(longer), "BIClong").muscle.path}
     shortest = min(splines["shoulder"](np.linspace(0.0, 1.8, 2001)))
     edge = brentq(lambda q: splines["elbow"](q) + shortest - working.shortest_path, 0.0, 2.26)
     assert elbow.lower == pytest.approx(edge, abs=np.deg2rad(1.0))
