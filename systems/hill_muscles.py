@@ -34,6 +34,11 @@ from drakearm.model.musculature import (
 _REPORT = ("active_force", "passive_force", "fiber_power", "tendon_power", "metabolic_power")
 
 
+def _is_sound(arm_state: np.ndarray) -> bool:
+    """Whether this can be the state of an arm. In a simulation that diverges, it grows without limit."""
+    return bool((np.abs(arm_state) <= LARGEST_STATE).all())
+
+
 @TemplateSystem.define("HillMuscles_", T_list=[float, AutoDiffXd], scope=sys.modules[__name__])
 def HillMuscles_(T):
     class Impl(LeafSystem_[T]):
@@ -123,6 +128,8 @@ def HillMuscles_(T):
                 velocity_from = state | joints
             if T is float:
                 self.DeclareInitializationUnrestrictedUpdateEvent(self._settle)
+                if time_step == 0.0:
+                    self.DeclarePerStepPublishEvent(self._require_sound_state)
             for name, size, calc, prerequisites in (
                 ("activation", n, self._calc_activation, state),
                 ("fiber_length", n, self._calc_fiber_length, state),
@@ -165,6 +172,11 @@ def HillMuscles_(T):
             muscles["max_isometric_force"] *= factors
             context.get_mutable_abstract_parameter(self._muscles).set_value(muscles)
 
+        def GetStrength(self, context: Context) -> np.ndarray:
+            """The factors (n,) of the arm's maximum isometric forces."""
+            muscles = context.get_abstract_parameter(self._muscles).get_value()
+            return muscles["max_isometric_force"] / self.arm.muscle_table["max_isometric_force"]
+
         def _tables(self, context: Context):
             """The tables of the muscles and of their paths that compiled functions take."""
             return context.get_abstract_parameter(self._muscles).get_value(), self.arm.path_table
@@ -187,11 +199,15 @@ def HillMuscles_(T):
             if not np.isfinite(excitation).all():
                 bad = [name for name, u in zip(self.arm.muscle_names, excitation, strict=True) if not np.isfinite(u)]
                 raise StateError(f"The excitation of {', '.join(bad)} is not finite: expected numbers from 0 to 1.")
-            if not (np.abs(arm_state) <= LARGEST_STATE).all():
+            if not _is_sound(arm_state):
+                steps = "the time step" if self.time_step > 0.0 else "the steps of the integrator"
                 raise StateError(
                     f"The motion of {self.arm.name} diverges: q or v has reached {np.abs(arm_state).max():.2g}. "
-                    "Its bodies are too light for its muscles, its joint stops or the time step."
+                    f"Its bodies are too light for its muscles, its joint stops or {steps}."
                 )
+
+        def _require_sound_state(self, context: Context) -> None:
+            self._require_sound_inputs(np.zeros(self._n), self._arm_state.Eval(context))
 
         def GetStateNames(self) -> list[str]:
             """Names of the elements of the state, such as "BRA_fiber_length"; like MultibodyPlant.GetStateNames."""
@@ -305,7 +321,9 @@ def HillMuscles_(T):
             fibers, excitation = self._fibers(context), self._excitation.Eval(context)
             arm_state = self._arm_state.Eval(context)
             if T is float:
-                self._require_sound_inputs(excitation, arm_state)
+                # An integrator may try a step that is far too long, and reject it. Then it is no error.
+                if _is_sound(arm_state):
+                    self._require_sound_inputs(excitation, arm_state)
                 rates = muscle_rates(fibers, excitation, arm_state, *self._tables(context))
             else:
                 rates = self._differentiate(context, fibers, excitation, arm_state, slice(0, 2 * self._n))
