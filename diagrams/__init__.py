@@ -1,7 +1,7 @@
 """Functions that build Diagrams from the Systems of Drake and drakearm."""
 
 from drakearm.diagrams.mpc_loop import MakeMpcLoop, MpcLoop
-from drakearm.diagrams.muscle_arm import AddMuscleArm, MakeSimulator, MuscleArm
+from drakearm.diagrams.muscle_arm import AddMuscleArm, AddMuscles, MakeSimulator, MuscleArm
 from drakearm.diagrams.perturbation import Perturbation
 from drakearm.diagrams.perturbations import ExtraLoad, MotorNoise, Push, SensorDelay, Strength
 from drakearm.diagrams.policy_loop import MakePolicyLoop
@@ -15,6 +15,7 @@ from drakearm.diagrams.visualization import AddMuscleVisualizer
 __all__ = [
     "AddMuscleArm",
     "AddMuscleVisualizer",
+    "AddMuscles",
     "AddTrackingTask",
     "ExtraLoad",
     "MakeMpcLoop",

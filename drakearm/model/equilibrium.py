@@ -43,21 +43,34 @@ def _forces_at_rest(activation, length, muscles):
     return force, slope
 
 
-def find_equilibrium(arm: Arm, q: np.ndarray, load_mass: float = 0.0) -> Equilibrium:
+def find_equilibrium(
+    arm: Arm,
+    q: np.ndarray,
+    load_mass: float = 0.0,
+    *,
+    torque: np.ndarray | None = None,
+    strength: float | np.ndarray = 1.0,
+) -> Equilibrium:
     """The smallest excitations with which the muscles hold joint angles q (n_q,), rad, with load_mass (kg) in the hand.
 
-    Static optimization (`static_activations`) finds them, then Newton's method makes the torques exact. Raises
-    EquilibriumError if the muscles are too weak, or if the posture is impossible for one of them. Raises StateError if
-    q has another size or is not finite.
+    torque: what the muscles exert on the joints (n_q,), Nm, if they hold something else than the arm and the load.
+    strength: factors of the maximum isometric forces, one number or (n,). Static optimization (`static_activations`)
+    finds the excitations, then Newton's method makes the torques exact. Raises EquilibriumError if the muscles are too
+    weak, or if the posture is impossible for one of them. Raises StateError if q or torque has another size or is not
+    finite.
     """
     q = np.asarray(q, dtype=float)
     n, n_q = len(arm.muscles), len(arm.coordinates)
     require_state("joint angles", q, (n_q,))
-    muscles, paths, rest = arm.muscle_table, arm.path_table, np.zeros(n_q)
+    muscles, paths, rest = arm.muscle_table.copy(), arm.path_table, np.zeros(n_q)
+    muscles["max_isometric_force"] *= strength
     lowest = muscles["minimum_activation"]
     # Before the torques: what a muscle exerts that is slack or torn has no meaning.
     equilibrium_fiber_lengths(arm, q[None, :], lowest)
-    torque = gravity_torque(MakeTorqueArm(arm, load_mass), q)
+    if torque is None:
+        torque = gravity_torque(MakeTorqueArm(arm, load_mass), q)
+    torque = np.asarray(torque, dtype=float)
+    require_state("torques", torque, (n_q,))
     activation, reserve = static_activations(q, rest, torque, np.full(n, 0.1), np.eye(len(q)), muscles, paths)
     if not np.abs(reserve).max() <= negligible_reserve(q, muscles, paths):
         raise _too_weak(arm, q, reserve, torque)
