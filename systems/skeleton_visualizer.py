@@ -76,9 +76,9 @@ def oblique(arm: Arm, plant: MultibodyPlant, context: Context) -> np.ndarray:
     return direction / np.linalg.norm(direction)
 
 
-def set_stage(meshcat: Meshcat, arm: Arm, path: str) -> None:
-    """Turns what is below a path upright, hides grid and axes, and lights the scene."""
-    meshcat.SetTransform(path, upright(arm))
+def set_stage(meshcat: Meshcat, path: str, X_PW: RigidTransform) -> None:
+    """Sets the pose on the page of what is below a path, hides grid and axes, and lights the scene."""
+    meshcat.SetTransform(path, X_PW)
     for hidden in ("/Grid", "/Axes"):
         meshcat.SetProperty(hidden, "visible", False)
     meshcat.SetProperty("/Background/<object>", "top_color", [1.0, 1.0, 1.0])
@@ -86,9 +86,13 @@ def set_stage(meshcat: Meshcat, arm: Arm, path: str) -> None:
     meshcat.SetProperty("/Lights/AmbientLight/<object>", "intensity", 1.0)
 
 
-def prepare_stage(meshcat: Meshcat, arm: Arm, plant: MultibodyPlant, path: str = "/drake") -> None:
-    """Sets the stage below a path and points the camera at an arm in its first posture."""
-    set_stage(meshcat, arm, path)
+def prepare_stage(meshcat: Meshcat, arm: Arm, plant: MultibodyPlant, path: str, X_PW: RigidTransform) -> None:
+    """Sets the stage below a path, with the arm upright, and points the camera at the arm in its first posture.
+
+    X_PW: the pose on the page of a world whose z axis points up.
+    """
+    X_PW = X_PW.multiply(upright(arm))
+    set_stage(meshcat, path, X_PW)
     context = plant.CreateDefaultContext()
     frames = [plant.GetFrameByName(arm.tip_frame)]
     frames += [plant.GetBodyByName(body).body_frame() for muscle in arm.muscles for body, _ in muscle.points]
@@ -98,4 +102,4 @@ def prepare_stage(meshcat: Meshcat, arm: Arm, plant: MultibodyPlant, path: str =
     distance = 0.8 * reach / np.sin(np.radians(0.5 * FIELD_OF_VIEW))  # there is room to move
     camera = center + distance * oblique(arm, plant, context)
     meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=FIELD_OF_VIEW))
-    meshcat.SetCameraPose(upright(arm).multiply(camera), upright(arm).multiply(center))
+    meshcat.SetCameraPose(X_PW.multiply(camera), X_PW.multiply(center))

@@ -70,7 +70,7 @@ class ReplayScene:
         self._context = self._plant.CreateDefaultContext()
 
         self.meshcat = Meshcat(MeshcatParams(host="localhost", port=port))
-        set_stage(self.meshcat, arm, _ROOT)
+        set_stage(self.meshcat, _ROOT, upright(arm))
         self._skeleton = SkeletonDrawing(self.meshcat, f"{_ROOT}/arm", self._plant, scene_graph)
         self._ghost = SkeletonDrawing(self.meshcat, f"{_ROOT}/reference", self._plant, scene_graph, GHOST_COLOR)
         self._muscles = MuscleDrawing(self.meshcat, f"{_ROOT}/muscles", arm, self._plant)

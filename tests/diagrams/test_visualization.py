@@ -7,6 +7,7 @@ from base64 import b64decode
 import numpy as np
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import DiagramBuilder
 
 from drakearm.diagrams import AddMuscleArm, AddMuscleVisualizer
@@ -52,3 +53,23 @@ def test_bones_load_and_muscles_follow_the_arm(meshcat):
         start = muscle_arm.plant.GetBodyByName(body).EvalPoseInWorld(plant_context).multiply(np.array(point))
         np.testing.assert_allclose(transform(meshcat, f"/drake/muscles/{muscle.name}/0")[:3, 3], start, atol=1e-9)
     assert meshcat.HasPath("/drake/skeleton/load/0/shape")
+
+
+def test_two_arms_stand_where_they_are_put(meshcat):
+    """In one Diagram, on one page: each with its own muscles, which move on their own."""
+    arm, builder = load_arm(), DiagramBuilder()
+    arms = {name: AddMuscleArm(builder, arm, name=name) for name in ("left", "right")}
+    for name, side in (("left", -0.4), ("right", 0.4)):
+        AddMuscleVisualizer(builder, arms[name], meshcat, X_PW=RigidTransform([0.0, side, 0.0]))
+        builder.ExportInput(arms[name].muscles.GetInputPort("excitation"), name)
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    for name, elbow in (("left", 0.3), ("right", 1.2)):
+        diagram.GetInputPort(name).FixValue(context, np.zeros(14))
+        arms[name].SetState(context, np.array([0.0, elbow]))
+    diagram.ForcedPublish(context)
+    hands = [transform(meshcat, f"/{name}/skeleton/hand") for name in arms]
+    assert np.abs(hands[0] - hands[1]).max() > 0.1
+    places = [transform(meshcat, f"/{name}")[:3, 3] for name in arms]
+    np.testing.assert_allclose(places, [[0.0, -0.4, 0.0], [0.0, 0.4, 0.0]])
+    assert meshcat.HasPath("/left/muscles") and not meshcat.HasPath("/drake/muscles")
