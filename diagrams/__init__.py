@@ -6,6 +6,7 @@ from drakearm.diagrams.perturbation import Perturbation
 from drakearm.diagrams.perturbations import ExtraLoad, MotorNoise, Push, SensorDelay, Strength
 from drakearm.diagrams.policy_loop import MakePolicyLoop
 from drakearm.diagrams.reaching_loop import MakeReachingLoop, ReachingLoop
+from drakearm.diagrams.recorder import AddRecorder, Recorder
 from drakearm.diagrams.start_perturbations import StartNoise, StartOffset
 from drakearm.diagrams.static_loop import MakeStaticLoop
 from drakearm.diagrams.tracking_loop import TrackingLoop
@@ -16,6 +17,7 @@ __all__ = [
     "AddMuscleArm",
     "AddMuscleVisualizer",
     "AddMuscles",
+    "AddRecorder",
     "AddTrackingTask",
     "ExtraLoad",
     "MakeMpcLoop",
@@ -30,6 +32,7 @@ __all__ = [
     "Perturbation",
     "Push",
     "ReachingLoop",
+    "Recorder",
     "SensorDelay",
     "StartNoise",
     "StartOffset",
