@@ -9,12 +9,13 @@ from functools import partial
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
+from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
 from stable_baselines3.common.vec_env import SubprocVecEnv
 
 from drakearm.errors import ScenarioError
 from drakearm.experiments import scenario_files
-from drakearm.experiments.environments import make_env
+from drakearm.experiments.choices import EnvKind
+from drakearm.experiments.environments import make_env, make_task_env, make_training_envs
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv
 from drakearm.task import OBSERVATIONS
@@ -72,6 +73,21 @@ def test_new_processes_make_the_same_environments(reference, processes):
     np.testing.assert_array_equal(found_first, first)
     np.testing.assert_array_equal(found_second, second)
     np.testing.assert_allclose(found_reward, reward, rtol=1e-15)
+
+
+def test_environments_for_training_step_diagrams_in_processes(task):
+    ours = make_training_envs(task, 3, EnvKind.diagram)
+    theirs = SyncVectorEnv([partial(make_task_env, task)] * 3, autoreset_mode=AutoresetMode.SAME_STEP)
+    np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
+    rng = np.random.default_rng(0)
+    for _ in range(len(task.reference.t) + 3):
+        action = rng.random((3, 14)).astype(np.float32)
+        found, expected = ours.step(action), theirs.step(action)
+        for i in range(4):
+            np.testing.assert_array_equal(found[i], expected[i])
+    for name in ("arm_state", "tracking_error", "activation"):
+        np.testing.assert_array_equal(found[4][name], expected[4][name])
+    ours.close()
 
 
 def test_an_unknown_scenario_among_several_is_named():
