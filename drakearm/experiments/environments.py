@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
+from gymnasium.vector import VectorEnv
 from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.systems.framework import Context
 
@@ -15,6 +15,7 @@ from drakearm.diagrams import MakeTrackingTask
 from drakearm.experiments.choices import EnvKind
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv, DiagramEnv
+from drakearm.learning.process_vector_env import ProcessVectorEnv
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.planning import plan
 from drakearm.task import TrackingTask, check_interchangeable
@@ -148,14 +149,7 @@ def _picture_of(task: TrackingTask) -> Callable[[dict[str, Any]], np.ndarray]:
 
 
 def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:
-    """A vector environment with `count` environments of a task."""
+    """A vector environment with `count` environments of a task. Those of Diagrams are shared among the cores."""
     if kind is EnvKind.compiled:
         return ArmVectorEnv(task, count)
-    warm_up = make_task_env(task)  # compiles the muscles once, before the processes fork
-    warm_up.reset()
-    warm_up.step(warm_up.action_space.sample())
-    return AsyncVectorEnv(
-        [partial(make_task_env, task)] * count,
-        context="fork",
-        autoreset_mode=AutoresetMode.SAME_STEP,
-    )
+    return ProcessVectorEnv([partial(make_task_env, task)] * count)
