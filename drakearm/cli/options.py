@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from drakearm.errors import shown
-from drakearm.experiments.choices import EnvKind
+from drakearm.experiments.choices import EnvKind, Preset
 
 _LARGEST_SEED = 2**32 - 1  # that NumPy and PyTorch both take
 _MOST_BATCHES = 1_000_000
@@ -99,6 +99,14 @@ Batches = Annotated[
 ]
 Env = Annotated[
     EnvKind, typer.Option(help="Train on compiled arms, or on Drake Diagrams: the same arm, but slower to simulate.")
+]
+PresetName = Annotated[
+    Preset | None,
+    typer.Option(
+        "--preset",
+        help="`paper` learns as the paper does: 28 observations, from random weights. [default: the scenario's]",
+        show_default=False,
+    ),
 ]
 Device = Annotated[
     str | None,

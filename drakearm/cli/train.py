@@ -9,10 +9,21 @@ import typer
 from drakearm.cli.console import say
 from drakearm.cli.folders import planned_run_folder, say_removed
 from drakearm.cli.interrupt import delayed_interrupt
-from drakearm.cli.options import Batches, Device, Env, Import, Out, Overwrite, ScenarioArgument, Seed, path
+from drakearm.cli.options import (
+    Batches,
+    Device,
+    Env,
+    Import,
+    Out,
+    Overwrite,
+    PresetName,
+    ScenarioArgument,
+    Seed,
+    path,
+)
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.progress import show_progress
-from drakearm.experiments.choices import EnvKind
+from drakearm.experiments.choices import EnvKind, Preset
 
 if TYPE_CHECKING:
     from drakearm.experiments import RunFolder
@@ -27,6 +38,7 @@ def train(
     out: Out = None,
     batches: Batches = None,
     env: Env = EnvKind.compiled,
+    preset: PresetName = None,
     overwrite: Overwrite = False,
     resume: Annotated[
         bool, typer.Option("--resume", help="Continue a training that was stopped; begin, if there is none.")
@@ -49,7 +61,10 @@ def train(
     """Learn muscle excitations that follow the plan.
 
     Needs the plan in the run's folder: `drakearm plan SCENARIO` comes first. Writes policy.safetensors (what was
-    learned), training.csv (one row per batch) and training.json (seed, settings, how far it came).
+    learned), training.csv (one row per batch) and training.json (preset, seed, settings, how far it came).
+
+    `--preset paper` learns to follow the same plan as the paper does. The run keeps the preset, for `drakearm evaluate`
+    and for later trainings; `--preset drakearm` changes it back.
 
     Press Ctrl-C to stop after the current batch: the policy so far is kept, and `drakearm evaluate` measures it.
     `--resume` continues a training that was stopped, by Ctrl-C or in any other way. It ends with the same policy, bit
@@ -60,7 +75,7 @@ def train(
         raise typer.BadParameter("found --resume and --overwrite, expected one of them.")
     with planned_run_folder(scenario, out) as run:
         outdated = run.claim("train", overwrite or resume)
-        train_run(run, seed, batches, env, resume, meshcat, tensorboard, device)
+        train_run(run, seed, batches, env, preset, resume, meshcat, tensorboard, device)
         say_removed([file for file in outdated if not file.exists()])
 
 
@@ -69,6 +84,7 @@ def train_run(
     seed: int,
     batches: int | None,
     env: EnvKind,
+    preset: Preset | None = None,
     resume: bool = False,
     meshcat: bool = False,
     tensorboard: Path | None = None,
@@ -76,8 +92,8 @@ def train_run(
 ) -> None:
     """Trains in a run's folder and shows the progress. Exits with code 130 if Ctrl-C is pressed.
 
-    resume: whether to continue an earlier training, if there is one. meshcat: whether to show the movement meanwhile.
-    tensorboard: a folder for its files. device: of PyTorch.
+    preset: replaces the one in the run's scenario. resume: whether to continue an earlier training, if there is one.
+    meshcat: whether to show the movement meanwhile. tensorboard: a folder for its files. device: of PyTorch.
     """
     from drakearm.experiments import train_step
 
@@ -86,7 +102,7 @@ def train_run(
         from drakearm.experiments.training_view import TrainingView
         from drakearm.learning import Policy
 
-        view = TrainingView(run.task(run.scenario()))
+        view = TrainingView(run.task(run.scenario(preset)))
         say(f"open {view.url} in a browser")
 
     if resume and run.path("training").exists():
@@ -132,6 +148,7 @@ def train_run(
                 seed=seed,
                 batches=batches,
                 env=env,
+                preset=preset,
                 resume=resume,
                 device=device,
                 on_round=show_round,

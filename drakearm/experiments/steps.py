@@ -66,6 +66,7 @@ def train_step(
     seed: int,
     batches: int | None = None,
     env: EnvKind = EnvKind.compiled,
+    preset: Preset | None = None,
     resume: bool = False,
     device: str | None = None,
     on_round: Callable[[int, int], None] | None = None,
@@ -73,20 +74,20 @@ def train_step(
 ) -> Policy:
     """Trains a policy whose excitations make the muscles follow the run's reference.
 
-    batches: replaces the number in the scenario. resume: whether to continue a training that was stopped, which then
-    ends with the same policy as if it had not been. If there is none, the training begins; if it is finished, its
-    policy is returned. Raises RunFolderError if it had another seed, other settings or environments. device: of
-    PyTorch, see `train`. on_round: called after each round of imitation with its number, from 1, and the number of
-    rounds. on_batch: called after each batch, when the current policy and training.json are already in the run folder.
-    So a training that is interrupted can be evaluated too. Until the first batch is done, the files of an earlier
-    training stay.
+    batches: replaces the number in the scenario. preset: replaces the one in the run's scenario. resume: whether to
+    continue a training that was stopped, which then ends with the same policy as if it had not been. If there is none,
+    the training begins; if it is finished, its policy is returned. Raises RunFolderError if it had another preset or
+    seed, other settings or environments. device: of PyTorch, see `train`. on_round: called after each round of
+    imitation with its number, from 1, and the number of rounds. on_batch: called after each batch, when the current
+    policy and training.json are already in the run folder. So a training that is interrupted can be evaluated too.
+    Until the first batch is done, the files of an earlier training stay.
     """
     with run.locked(), run.scratch() as work:
-        scenario = run.scenario()
+        scenario = run.scenario(preset)
         settings = with_batches(scenario.training, batches)
         task = run.task(scenario)
         arm = arm_folder(scenario.arm)
-        setup = {"seed": seed, "env": env.value, "settings": asdict(settings)}
+        setup = {"preset": scenario.preset.value, "seed": seed, "env": env.value, "settings": asdict(settings)}
         earlier = _earlier_training(run, setup) if resume else None
         if earlier and earlier["finished"]:
             return Policy.load(run.existing("policy", "train"))
@@ -104,6 +105,8 @@ def train_step(
             progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
             finished = report.batch == report.batches
             with run.replacing("train", arm) as new:
+                if preset:
+                    new.keep_preset(preset)
                 for name in ("policy", "training_log", *(["checkpoint"] if not finished else [])):
                     shutil.copyfile(work / new.path(name).name, new.path(name))
                 new.write_record(setup | {"finished": finished} | progress)
@@ -204,7 +207,7 @@ def _earlier_training(run: RunFolder, setup: dict[str, Any]) -> dict[str, Any] |
     if not run.path("training").exists():
         return None
     run.existing("policy", "train")
-    training = run.read_json("training", "train")
+    training = {"preset": run.scenario().preset.value} | run.read_json("training", "train")  # older ones have none
     for name, value in json.loads(json.dumps(setup)).items():
         if training[name] != value:
             raise RunFolderError(
