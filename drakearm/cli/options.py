@@ -70,11 +70,30 @@ ScenarioArgument = Annotated[
         autocompletion=complete_scenario,
     ),
 ]
+ScenarioArguments = Annotated[
+    list[str],
+    typer.Argument(
+        help="Names from `drakearm list`, or paths of scenario files.",
+        metavar="SCENARIO...",
+        parser=name_or_path,
+        autocompletion=complete_scenario,
+    ),
+]
 Out = Annotated[
     Path | None,
     typer.Option(
         "--out",
         help="Folder of the run. [default: runs/SCENARIO]",
+        metavar="FOLDER",
+        parser=path,
+        show_default=False,
+    ),
+]
+OutOfAll = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        help="Folder of the run; if there are several scenarios, the folder that holds all runs. [default: runs]",
         metavar="FOLDER",
         parser=path,
         show_default=False,

@@ -37,7 +37,7 @@ def run(
             report = plan_step(folder, scenario, preset=preset)
             say(f"planned with {report.plan.solver} in {report.plan.seconds:.2f} s: {report.plan.status}")
             say(report.feasibility.verdict)
-        train_run(folder, seed, batches, env, resume=not overwrite)
+        train_run([folder], seed, batches, env, resume=not overwrite)
         metrics = evaluate_step(folder)
         replay = replay_step(folder)
         show_metrics(folder, metrics)

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drakearm.cli.console import say
-from drakearm.cli.folders import planned_run_folder, say_removed
+from drakearm.cli.folders import newly_planned_run_folder, opened, planned_run_folder, say_removed
 from drakearm.cli.interrupt import delayed_interrupt
 from drakearm.cli.options import (
     Batches,
     Device,
     Env,
     Import,
-    Out,
+    OutOfAll,
     Overwrite,
     PresetName,
-    ScenarioArgument,
+    ScenarioArguments,
     Seed,
     path,
 )
@@ -33,9 +33,9 @@ LINE_BATCHES = 10  # where there is no terminal, a line is printed each time tha
 
 
 def train(
-    scenario: ScenarioArgument,
+    scenarios: ScenarioArguments,
     seed: Seed = 0,
-    out: Out = None,
+    out: OutOfAll = None,
     batches: Batches = None,
     env: Env = EnvKind.compiled,
     preset: PresetName = None,
@@ -44,7 +44,7 @@ def train(
         bool, typer.Option("--resume", help="Continue a training that was stopped; begin, if there is none.")
     ] = False,
     meshcat: Annotated[
-        bool, typer.Option("--meshcat", help="Show the present policy's movement in a browser while it learns.")
+        bool, typer.Option("--meshcat", help="Show the first movement of the present policy in a browser.")
     ] = False,
     tensorboard: Annotated[
         Path | None,
@@ -63,6 +63,11 @@ def train(
     Needs the plan in the run's folder: `drakearm plan SCENARIO` comes first. Writes policy.safetensors (what was
     learned), training.csv (one row per batch) and training.json (preset, seed, settings, how far it came).
 
+    With several scenarios, one policy learns all of them: `drakearm train reach-000 reach-090 --out runs/two`. Each has
+    its own run in a folder with its name, and is planned first if it is not planned yet. All runs get the policy, and
+    training.json lists the scenarios. They must have the same arm, senses, reward and training settings.
+    `drakearm evaluate reach-000 reach-090 --out runs/two` then shows the errors of all.
+
     `--preset paper` learns to follow the same plan as the paper does. The run keeps the preset, for `drakearm evaluate`
     and for later trainings; `--preset drakearm` changes it back.
 
@@ -73,14 +78,17 @@ def train(
     import_own_code(imports)
     if resume and overwrite:
         raise typer.BadParameter("found --resume and --overwrite, expected one of them.")
-    with planned_run_folder(scenario, out) as run:
-        outdated = run.claim("train", overwrite or resume)
-        train_run(run, seed, batches, env, preset, resume, meshcat, tensorboard, device)
+    several = len(set(scenarios)) > 1
+    with opened(newly_planned_run_folder if several else planned_run_folder, scenarios, out) as runs:
+        outdated = [file for run in runs for file in run.claim("train", overwrite or resume)]
+        train_run(runs, seed, batches, env, preset, resume, meshcat, tensorboard, device)
         say_removed([file for file in outdated if not file.exists()])
+        if several:
+            say(f"one policy for {len(runs)} movements, kept in {_places(runs)}")
 
 
 def train_run(
-    run: "RunFolder",
+    runs: "list[RunFolder]",
     seed: int,
     batches: int | None,
     env: EnvKind,
@@ -90,13 +98,14 @@ def train_run(
     tensorboard: Path | None = None,
     device: str | None = None,
 ) -> None:
-    """Trains in a run's folder and shows the progress. Exits with code 130 if Ctrl-C is pressed.
+    """Trains one policy in the folders of runs and shows the progress. Exits with code 130 if Ctrl-C is pressed.
 
     preset: replaces the one in the run's scenario. resume: whether to continue an earlier training, if there is one.
     meshcat: whether to show the movement meanwhile. tensorboard: a folder for its files. device: of PyTorch.
     """
     from drakearm.experiments import train_step
 
+    run = runs[0]
     view = None
     if meshcat:
         from drakearm.experiments.training_view import TrainingView
@@ -144,7 +153,7 @@ def train_run(
                 interrupt_now()
 
             train_step(
-                run,
+                runs,
                 seed=seed,
                 batches=batches,
                 env=env,
@@ -158,5 +167,9 @@ def train_run(
         if last is None:
             say("interrupted before the first batch was done: no policy was written")
         else:
-            say(f"interrupted at {last.batch} of {last.batches} batches, policy kept in {run.path('policy')}")
+            say(f"interrupted at {last.batch} of {last.batches} batches, policy kept in {_places(runs)}")
         raise typer.Exit(130) from None
+
+
+def _places(runs: "list[RunFolder]") -> str:
+    return ", ".join(str(run.path("policy")) for run in runs)
