@@ -114,13 +114,7 @@ def train_run(
         view = TrainingView(run.task(run.scenario(preset)))
         say(f"open {view.url} in a browser")
 
-    if resume and run.path("training").exists():
-        training = run.read_json("training", "train")
-        say(
-            f"continuing the training after {training['steps']} steps"
-            if not training["finished"]
-            else "the training is finished already"
-        )
+    earlier = run.read_json("training", "train") if resume and run.path("training").exists() else None
     last: BatchReport | None = None
     try:
         with ExitStack() as stack:
@@ -138,6 +132,8 @@ def train_run(
 
             def show_batch(report: "BatchReport") -> None:
                 nonlocal last
+                if last is None and earlier and not earlier["finished"]:
+                    say(f"continuing the training after {earlier['steps']} steps")
                 last = report
                 show(
                     f"error {report.tracking_error:.3f} rad, {report.steps_per_second:.0f} steps/s, "
@@ -163,6 +159,8 @@ def train_run(
                 on_round=show_round,
                 on_batch=show_batch,
             )
+        if last is None:
+            say("the training is finished already")
     except KeyboardInterrupt:
         if last is None:
             say("interrupted before the first batch was done: no policy was written")

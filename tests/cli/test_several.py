@@ -73,6 +73,9 @@ def test_the_training_is_continued_only_with_all(learned, two):
     assert "finished already" in drakearm("train", *two, "--out", out, "--seed", 3, "--resume")
     alone = ("train", two[0], "--out", out / "right", "--seed", 3)
     assert "another list of plans (right, half)" in drakearm(*alone, "--resume", code=1)
+    assert "another list of plans (right, half)" in drakearm(
+        "train", *reversed(two), "--out", out, "--seed", 3, "--resume", code=1
+    )
     assert "exists already" in drakearm(*alone, code=1)
 
 
