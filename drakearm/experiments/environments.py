@@ -12,6 +12,7 @@ from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.systems.framework import Context
 
 from drakearm.diagrams import MakeTrackingTask
+from drakearm.errors import TrainingError
 from drakearm.experiments.choices import EnvKind
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv, DiagramEnv
@@ -148,8 +149,13 @@ def _picture_of(task: TrackingTask) -> Callable[[dict[str, Any]], np.ndarray]:
     return picture
 
 
-def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:
-    """A vector environment with `count` environments of a task. Those of Diagrams are shared among the cores."""
+def make_training_envs(tasks: Sequence[TrackingTask], count: int, kind: EnvKind) -> VectorEnv:
+    """A vector environment with `count` environments, to which the tasks are assigned round-robin.
+
+    Those of Diagrams are shared among the cores. Raises TrainingError if there are more tasks than environments.
+    """
     if kind is EnvKind.compiled:
-        return ArmVectorEnv(task, count)
-    return ProcessVectorEnv([partial(make_task_env, task)] * count)
+        return ArmVectorEnv(tasks, count)
+    if len(tasks) > count:
+        raise TrainingError(f"There are {len(tasks)} tasks for {count} Diagrams: expected at least one for each task.")
+    return ProcessVectorEnv([partial(make_task_env, tasks[i % len(tasks)]) for i in range(count)])

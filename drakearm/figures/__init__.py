@@ -7,7 +7,7 @@ from drakearm.figures.movement_picture import Movement, draw_movement, write_mov
 from drakearm.figures.perturbed_table import perturbed_table
 from drakearm.figures.plan_picture import draw_plan, write_plan_picture
 from drakearm.figures.plan_table import plan_facts, plans_table
-from drakearm.figures.policy_table import metrics_table
+from drakearm.figures.policy_table import evaluations_table, metrics_table
 from drakearm.figures.side_view import SideView
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "draw_labelled_lines",
     "draw_movement",
     "draw_plan",
+    "evaluations_table",
     "metrics_table",
     "muscle_table",
     "perturbed_table",

@@ -102,7 +102,7 @@ def test_new_processes_make_the_same_environments(reference, processes):
 
 
 def test_environments_for_training_step_diagrams_in_processes(task):
-    ours = make_training_envs(task, 3, EnvKind.diagram)
+    ours = make_training_envs([task], 3, EnvKind.diagram)
     theirs = SyncVectorEnv([partial(make_task_env, task)] * 3, autoreset_mode=AutoresetMode.SAME_STEP)
     np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
     rng = np.random.default_rng(0)
