@@ -7,8 +7,9 @@ from typing import Annotated
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
-from drakearm.errors import RunFolderError, shown
+from drakearm.errors import RunFolderError, TaskError, shown
 from drakearm.files.arrays import Layout, array_problem, load_arrays, save_arrays
+from drakearm.model.arm import Arm
 
 CONTROL_STEP = 0.01  # s, between two samples of a reference, and between two decisions of a controller
 _LONGEST = 20_000  # samples, 200 s
@@ -69,6 +70,18 @@ class Reference:
     def problem(self) -> str | None:
         """Why an arm cannot follow this reference: array, found, expected. None if it can. Torques do not matter."""
         return array_problem(self, ("t", "q", "v", "a")) or time_problem(self.t, 0.0)
+
+    def check(self, arm: Arm) -> None:
+        """Raises TaskError, which names the array or the number of joints, if this is not a reference for the arm."""
+        problem = self.problem()
+        if problem:
+            raise TaskError(f"The arm {arm.name} cannot follow the reference: {problem}.")
+        joints, coordinates = np.shape(self.q)[1], arm.coordinates
+        if joints != len(coordinates):
+            raise TaskError(
+                f"The reference has {joints} joints: expected {len(coordinates)}, the {', '.join(coordinates)} of the "
+                f"arm {arm.name}."
+            )
 
 
 def time_problem(t: np.ndarray, start: float) -> str | None:

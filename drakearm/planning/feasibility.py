@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drakearm.errors import TaskError
 from drakearm.model import Arm, MakeTorqueArm
+from drakearm.model.joint_ranges import range_problem
 from drakearm.model.reference import Reference
 from drakearm.model.skeleton import movement_torques
 from drakearm.model.static_optimization import negligible_reserve, static_activations
@@ -48,8 +50,13 @@ def muscle_feasibility(arm: Arm, reference: Reference, load_mass: float = 0.0) -
 
     load_mass: kg, in the hand. Static optimization (Anderson and Pandy 2001) considers each sample on its own. It takes
     account of the force-length-velocity curves, passive forces and stretched tendons, but it lets activations change
-    instantly from one sample to the next.
+    instantly from one sample to the next. Raises TaskError if the reference does not fit the arm, or if an angle is
+    outside of the range of its joint by more than 0.15 rad.
     """
+    reference.check(arm)
+    problem = range_problem(arm, reference.q)
+    if problem:
+        raise TaskError(f"The arm {arm.name} cannot follow the reference: {problem}.")
     q, v = reference.q, reference.v
     required = movement_torques(MakeTorqueArm(arm, load_mass), q, v, reference.a)
     activation, reserve = np.empty((len(q), len(arm.muscles))), np.empty_like(required)
