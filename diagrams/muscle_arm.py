@@ -52,8 +52,8 @@ class MuscleArm:
 
         activation: one number for all muscles, or (n,). Before a simulation is initialized you may set the positions of
         the plant only, see `HillMuscles`. Later that would stretch the tendons suddenly, so use this method. Raises
-        StateError for arrays of another size or numbers that are not finite, and EquilibriumError if a muscle has no
-        equilibrium.
+        StateError for arrays of another size, numbers that are not finite and activations outside of 0..1, and
+        EquilibriumError if a muscle has no equilibrium.
         """
         n_q = len(self.arm.coordinates)
         q = np.asarray(q, dtype=float)
