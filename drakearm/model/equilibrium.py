@@ -16,6 +16,7 @@ from drakearm.model.musculature import (
 from drakearm.model.skeleton import gravity_torque, neutral_posture, skeleton_plant
 from drakearm.model.static_optimization import negligible_reserve, static_activations, steady_force
 from drakearm.model.torque_arm import MakeTorqueArm
+from drakearm.model.weakness import weakness
 from drakearm.muscle.compiled import compiled
 
 _ITERATIONS = 20  # of Newton's method at most; it usually needs three
@@ -108,6 +109,6 @@ def _too_weak(arm: Arm, q: np.ndarray, missing: np.ndarray, torque: np.ndarray) 
     """The error for joint torques, (n_q,), Nm, of which some are missing."""
     j = int(np.abs(missing).argmax())
     return EquilibriumError(
-        f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: the "
-        f"{arm.coordinates[j]} lacks {abs(missing[j]):.3g} Nm of the {abs(torque[j]):.3g} Nm that it needs."
+        f"The muscles of {arm.name} cannot hold the joint angles {np.round(q, 4).tolist()} rad: "
+        f"{weakness(arm.coordinates[j], missing[j], torque[j])}."
     )

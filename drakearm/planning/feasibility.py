@@ -10,6 +10,7 @@ from drakearm.model.joint_ranges import range_problem
 from drakearm.model.reference import Reference
 from drakearm.model.skeleton import movement_torques
 from drakearm.model.static_optimization import negligible_reserve, static_activations
+from drakearm.model.weakness import weakness
 
 
 @dataclass(frozen=True)
@@ -35,14 +36,24 @@ class Feasibility:
 
     @property
     def verdict(self) -> str:
-        """One sentence: the largest activation, or which joint lacks how much torque, and when."""
+        """One sentence: the largest activation, or which joint lacks how much torque, and when, see `weakness`."""
         if self.feasible:
             return f"The muscles can do it, with activations of at most {self.activation.max():.2f}."
         k, j = np.unravel_index(np.abs(self.reserve).argmax(), self.reserve.shape)
-        return (
-            f"The muscles cannot do it: at {self.t[k]:.2f} s the {self.coordinates[j]} lacks "
-            f"{abs(self.reserve[k, j]):.3g} Nm, where the movement takes {abs(self.required[k, j]):.3g} Nm."
-        )
+        why = weakness(self.coordinates[j], self.reserve[k, j], self.required[k, j])
+        return f"The muscles cannot do it: at {self.t[k]:.2f} s {why}."
+
+    @property
+    def advice(self) -> str:
+        """What to change if the muscles cannot do it, as one sentence."""
+        missing = np.abs(self.reserve).max(axis=1) > self.negligible
+        for k, where in ((0, "start"), (-1, "target")):
+            if missing[k]:
+                return (
+                    f"More time does not help, because they cannot hold the posture at the {where}: expected another "
+                    f"{where} or a smaller load."
+                )
+        return "Expected more time, a smaller load or a nearer target."
 
 
 def muscle_feasibility(arm: Arm, reference: Reference, load_mass: float = 0.0) -> Feasibility:

@@ -10,6 +10,7 @@ from pydrake.systems.primitives import Linearize
 from drakearm.diagrams import AddMuscleArm, MakeSimulator
 from drakearm.errors import EquilibriumError, StateError
 from drakearm.model import find_equilibrium
+from drakearm.model.weakness import weakness
 
 POSTURES = np.deg2rad([[-20.0, 80.0], [0.0, 30.0], [-40.0, 5.0]])
 
@@ -61,9 +62,27 @@ def test_drake_linearizes_at_an_equilibrium(arm):
 
 def test_a_posture_that_muscles_cannot_hold_is_refused(arm):
     with pytest.raises(EquilibriumError, match=r"cannot hold the joint angles .* the shoulder lacks .* Nm"):
-        find_equilibrium(arm, np.deg2rad([80.0, 90.0]), load_mass=5.0)
+        find_equilibrium(arm, np.deg2rad([20.0, 60.0]), load_mass=5.0)
     with pytest.raises(StateError, match=r"joint angles .* expected 2 finite numbers"):
         find_equilibrium(arm, np.zeros(3))
+
+
+def test_weakness_is_a_lack_only_where_the_muscles_pull_too_little():
+    assert weakness("elbow", 3.0, 10.0) == "the elbow lacks 3 Nm of the 10 Nm that it needs"
+    assert weakness("elbow", -3.0, -10.0) == "the elbow lacks 3 Nm of the 10 Nm that it needs"
+    for missing, required, acts in (
+        (-3.0, 1e-16, "exert 3 Nm on the elbow, which needs 0 Nm"),
+        (-3.0, 2.0, "exert 5 Nm on the elbow, which needs 2 Nm"),
+        (8.0, 5.0, "exert -3 Nm on the elbow, which needs 5 Nm"),
+        (3.0, -2.0, "exert -5 Nm on the elbow, which needs -2 Nm"),
+    ):
+        assert weakness("elbow", missing, required) == f"passive forces, or muscles for another joint, {acts}"
+
+
+def test_passive_forces_that_are_too_strong_are_no_lack(arm):
+    """With the arm raised and the elbow bent, the long head of the triceps pulls the shoulder back."""
+    with pytest.raises(EquilibriumError, match=r"passive forces, .* exert -.* Nm on the shoulder, which needs 6.82 Nm"):
+        find_equilibrium(arm, np.deg2rad([60.0, 130.0]))
 
 
 def test_a_muscle_that_would_tear_is_refused_with_its_name(arm):

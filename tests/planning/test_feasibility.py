@@ -30,6 +30,17 @@ def test_twenty_kilograms_are_not_and_the_verdict_says_where(arm, reference):
     assert f"at {reference.t[missing.max(axis=1).argmax()]:.2f} s" in feasibility.verdict
 
 
+def test_advice_is_more_time_only_where_this_helps(arm, reference):
+    assert muscle_feasibility(arm, reference, 20.0).advice.startswith("More time does not help")
+    quick = replace(reference, v=3.0 * reference.v, a=9.0 * reference.a)
+    feasibility = muscle_feasibility(arm, quick)
+    assert not feasibility.feasible and feasibility.advice.startswith("Expected more time")
+    raised = replace(reference, q=np.full_like(reference.q, 1.5), v=0.0 * reference.v, a=0.0 * reference.a)
+    assert "at the start: expected another start" in muscle_feasibility(arm, raised).advice
+    lifted = replace(raised, q=np.linspace([0.0, 1.0], [1.5, 1.5], len(reference.t)))
+    assert "at the target: expected another target" in muscle_feasibility(arm, lifted).advice
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
