@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drakearm.errors import EquilibriumError
+from drakearm.errors import EquilibriumError, StateError
 from drakearm.model.arm import Arm
+from drakearm.model.joint_ranges import range_problem
 from drakearm.model.musculature import (
     RESTING_ACTIVATION,
     equilibrium_fiber_lengths,
@@ -58,11 +59,14 @@ def find_equilibrium(
     strength: factors of the maximum isometric forces, one number or (n,). Static optimization (`static_activations`)
     finds the excitations, then Newton's method makes the torques exact. Raises EquilibriumError if the muscles are too
     weak, or if the posture is impossible for one of them. Raises StateError if q or torque has another size or is not
-    finite.
+    finite, and if a joint is outside of its range by more than 0.15 rad.
     """
     q = np.asarray(q, dtype=float)
     n, n_q = len(arm.muscles), len(arm.coordinates)
     require_state("joint angles", q, (n_q,))
+    problem = range_problem(arm, q)
+    if problem:
+        raise StateError(f"The joint angles are impossible for {arm.name}: {problem}.")
     muscles, paths, rest = arm.muscle_table.copy(), arm.path_table, np.zeros(n_q)
     muscles["max_isometric_force"] *= strength
     lowest = muscles["minimum_activation"]

@@ -100,6 +100,16 @@ def test_torques_that_no_excitation_exerts_are_not_an_equilibrium(arm):
         find_equilibrium(light, POSTURES[0])
 
 
+@pytest.mark.parametrize(
+    ("elbow", "found"), [(60.0, r"60 rad \(3438 deg\)"), (np.deg2rad(150.0), r"2.618 rad \(150 deg\)")]
+)
+def test_angles_outside_of_the_ranges_are_refused_with_the_joint(arm, elbow, found):
+    """Joint stops are elastic, so that an arm can rest a little outside."""
+    with pytest.raises(StateError, match=rf"the elbow is at {found}, expected .* 0 to 2.269 rad \(0 to 130 deg\)"):
+        find_equilibrium(arm, np.array([0.0, elbow]))
+    find_equilibrium(arm, np.array([0.0, -0.05]))
+
+
 @pytest.mark.parametrize("angle", [1e7, np.nan, np.inf])
 def test_joint_angles_have_a_limit(arm, angle):
     with pytest.raises(StateError, match="joint angles"):
