@@ -100,6 +100,26 @@ def test_torques_that_no_excitation_exerts_are_not_an_equilibrium(arm):
         find_equilibrium(light, POSTURES[0])
 
 
+@pytest.mark.parametrize("least", [0.2, np.where(np.arange(14) == 5, 0.5, 0.05)])
+def test_cocontraction_holds_the_same_torque_with_larger_activations(arm, least):
+    relaxed, stiff = find_equilibrium(arm, POSTURES[0]), find_equilibrium(arm, POSTURES[0], least=least)
+    np.testing.assert_allclose(stiff.torque, relaxed.torque, atol=1e-9)
+    assert (stiff.activation >= least).all() and np.isclose(stiff.activation, least).any()
+    diagram, muscle_arm = make_arm(arm, 1e-3)
+    context = diagram.CreateDefaultContext()
+    held = muscle_arm.SetEquilibrium(context, POSTURES[0], least=least)
+    np.testing.assert_array_equal(held.activation, stiff.activation)
+    tau = muscle_arm.muscles.GetOutputPort("generalized_force")
+    np.testing.assert_allclose(tau.Eval(muscle_arm.muscles.GetMyContextFromRoot(context)), relaxed.torque, atol=1e-8)
+
+
+def test_cocontraction_that_is_too_much_is_refused(arm):
+    with pytest.raises(EquilibriumError, match=r"with these least activations: .* which needs 2.97 Nm"):
+        find_equilibrium(arm, POSTURES[0], least=0.4)
+    with pytest.raises(StateError, match="expected a number from 0 to 1"):
+        find_equilibrium(arm, POSTURES[0], least=1.2)
+
+
 @pytest.mark.parametrize(
     ("elbow", "found"), [(60.0, r"60 rad \(3438 deg\)"), (np.deg2rad(150.0), r"2.618 rad \(150 deg\)")]
 )
