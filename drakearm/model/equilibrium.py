@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drakearm.errors import EquilibriumError, StateError
+from drakearm.errors import EquilibriumError
 from drakearm.model.arm import Arm
-from drakearm.model.joint_ranges import range_problem
+from drakearm.model.joint_ranges import require_in_ranges
 from drakearm.model.musculature import (
     RESTING_ACTIVATION,
     equilibrium_fiber_lengths,
@@ -68,9 +68,7 @@ def find_equilibrium(
     q = np.asarray(q, dtype=float)
     n, n_q = len(arm.muscles), len(arm.coordinates)
     require_state("joint angles", q, (n_q,))
-    problem = range_problem(arm, q)
-    if problem:
-        raise StateError(f"The joint angles are impossible for {arm.name}: {problem}.")
+    require_in_ranges(arm, q)
     muscles, paths, rest = arm.muscle_table.copy(), arm.path_table, np.zeros(n_q)
     muscles["max_isometric_force"] *= strength
     lowest = muscles["minimum_activation"] = sound_activations(arm, least)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from drakearm.errors import StateError
 from drakearm.model.arm import Arm
 from drakearm.model.skeleton import skeleton_plant
 
@@ -26,3 +27,10 @@ def range_problem(arm: Arm, q: np.ndarray) -> str | None:
         f"the {arm.coordinates[j]} is at {found:.4g} rad ({np.rad2deg(found):.4g} deg), expected an angle in the range "
         f"of this joint, {low:.4g} to {high:.4g} rad ({np.rad2deg(low):.4g} to {np.rad2deg(high):.4g} deg)"
     )
+
+
+def require_in_ranges(arm: Arm, q: np.ndarray) -> None:
+    """Raises StateError, which names the joint, where `range_problem` finds one."""
+    problem = range_problem(arm, q)
+    if problem:
+        raise StateError(f"The joint angles are impossible for {arm.name}: {problem}.")
