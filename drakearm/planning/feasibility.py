@@ -40,7 +40,7 @@ class Feasibility:
         if self.feasible:
             return f"The muscles can do it, with activations of at most {self.activation.max():.2f}."
         k, j = np.unravel_index(np.abs(self.reserve).argmax(), self.reserve.shape)
-        why = weakness(self.coordinates[j], self.reserve[k, j], self.required[k, j])
+        why = weakness(self.coordinates[j], float(self.reserve[k, j]), float(self.required[k, j]))
         return f"The muscles cannot do it: at {self.t[k]:.2f} s {why}."
 
     @property
