@@ -225,8 +225,9 @@ def sound_activations(arm: Arm, activation: float | np.ndarray, *shapes: tuple[i
     the muscle, for an activation outside of 0..1, and as `require_state` does.
     """
     given = np.asarray(activation, dtype=float)
-    require_state("activations", given, given.shape if given.shape in ((), *shapes) else (len(arm.muscles),))
-    wrong = np.abs(given - 0.5) > 0.5 + _ROUNDING
+    if given.ndim > 0:
+        require_state("activations", given, given.shape if given.shape in shapes else (len(arm.muscles),))
+    wrong = ~(np.abs(given - 0.5) <= 0.5 + _ROUNDING)  # also NaN
     if wrong.any():
         index = np.argwhere(wrong)[0]
         which = f"activation of {arm.muscle_names[index[-1]]}" if index.size else "activation"
