@@ -52,8 +52,8 @@ class MuscleArm:
 
         activation: one number for all muscles, or (n,). Before a simulation is initialized you may set the positions of
         the plant only, see `HillMuscles`. Later that would stretch the tendons suddenly, so use this method. Raises
-        StateError for arrays of another size or numbers that are not finite, and EquilibriumError if a muscle has no
-        equilibrium.
+        StateError for arrays of another size, numbers that are not finite and activations outside of 0..1, and
+        EquilibriumError if a muscle has no equilibrium.
         """
         n_q = len(self.arm.coordinates)
         q = np.asarray(q, dtype=float)
@@ -82,18 +82,18 @@ class MuscleArm:
         self._load.SetSpatialInertiaInBodyFrame(context, load_inertia(load_mass))
         self.muscles.SetStrength(self.muscles.GetMyMutableContextFromRoot(root_context), strength)
 
-    def SetEquilibrium(self, root_context: Context, q: np.ndarray) -> Equilibrium:
+    def SetEquilibrium(self, root_context: Context, q: np.ndarray, *, least: float | np.ndarray = 0.0) -> Equilibrium:
         """Sets the arm to rest at q (n_q,), rad, with muscles that hold it there, and returns this equilibrium.
 
         Nothing moves while the muscles get the excitations of the equilibrium, so Drake's `Linearize` works there. The
-        muscles hold all that the plant has on the arm in this context, with their strength in it. Raises
-        EquilibriumError if they are too weak to hold the posture.
+        muscles hold all that the plant has on the arm in this context, with their strength in it. least: of all
+        activations, see `find_equilibrium`, whose errors it raises.
         """
         self.SetState(root_context, q)
         context = self.plant.GetMyContextFromRoot(root_context)
         torque = inverse_dynamics(self.plant, context, np.zeros(self.plant.num_velocities()))[self._v_index]
         strength = self.muscles.GetStrength(self.muscles.GetMyContextFromRoot(root_context))
-        equilibrium = find_equilibrium(self.arm, q, torque=torque, strength=strength)
+        equilibrium = find_equilibrium(self.arm, q, torque=torque, strength=strength, least=least)
         self.SetState(root_context, q, activation=equilibrium.activation)
         return equilibrium
 

@@ -1,11 +1,12 @@
 """drakearm's perturbations of the body, of its muscles and of its senses."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
 import scipy
-from pydantic import Field, ValidationError, field_validator
+from pydantic import Discriminator, Field, Tag, ValidationError, field_validator
 from pydantic.dataclasses import dataclass
 from pydrake.common import RandomDistribution
 from pydrake.systems.framework import DiagramBuilder, OutputPort
@@ -14,8 +15,9 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from drakearm.diagrams.muscle_arm import TIME_STEP, MuscleArm
 from drakearm.diagrams.perturbation import Perturbation
-from drakearm.errors import TaskError
-from drakearm.files.fields import STRICT, Finite, NonNegative, Positive
+from drakearm.errors import TaskError, did_you_mean, shown
+from drakearm.files.fields import STRICT, Finite, NonNegative, PlainText, Positive
+from drakearm.model import Arm, Muscle
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.systems.delay_line import DelayLine
 from drakearm.systems.noise import Noise
@@ -23,6 +25,9 @@ from drakearm.task import TrackingTask
 
 _LONGEST = 60.0  # s
 _Seconds = Annotated[NonNegative, Field(le=_LONGEST)]
+_Factor = Annotated[Positive, Field(ge=0.01, le=100.0)]
+_FactorOfOne = Annotated[NonNegative, Field(le=100.0)]
+_LEAST_FORCE = 1e-6  # N, the least maximum isometric force that a `Muscle` can have
 _Torque = Annotated[Finite, Field(ge=-1e4, le=1e4)]  # Nm
 
 
@@ -39,25 +44,41 @@ class ExtraLoad(Perturbation):
 
 @dataclass(frozen=True, config=STRICT)
 class Strength(Perturbation):
-    """Muscles with other maximum isometric forces. Their tendons become as much stiffer as the muscles get stronger."""
+    """Muscles with other maximum isometric forces. Their tendons become as much stiffer as the muscles get stronger.
+
+    factor: of all maximum isometric forces, or those of some muscles by their names. A muscle with the factor 0 exerts
+    nothing, not even a passive force: only a millionth of a newton remains.
+    """
 
     type = "strength"
-    factor: Annotated[Positive, Field(ge=0.01, le=100.0)]  # of all maximum isometric forces
+    factor: Annotated[
+        Annotated[_Factor, Tag("number")] | Annotated[dict[PlainText, _FactorOfOne], Tag("mapping")],
+        Discriminator(lambda value: "mapping" if isinstance(value, Mapping) else "number"),
+    ]
 
     def perturb_task(self, task: TrackingTask) -> TrackingTask:
-        """Raises TaskError if a muscle's force leaves the range of what an arm can have."""
-        try:
-            muscles = tuple(
-                replace(muscle, max_isometric_force=self.factor * muscle.max_isometric_force)
-                for muscle in task.arm.muscles
-            )
-        except ValidationError as error:
-            problem = error.errors()[0]
-            raise TaskError(
-                f"The strength {self.factor:g} gives a muscle of the arm {task.arm.name} a maximum isometric force of "
-                f"{problem['input']:.3g} N: {problem['msg']}."
-            ) from error
-        return replace(task, arm=replace(task.arm, muscles=muscles))
+        """Raises TaskError for a muscle that the arm does not have, and if a force is more than an arm can have."""
+        return replace(task, arm=replace(task.arm, muscles=tuple(self._scaled(task.arm))))
+
+    def _scaled(self, arm: Arm) -> Iterator[Muscle]:
+        names = arm.muscle_names
+        factors = self.factor if isinstance(self.factor, dict) else dict.fromkeys(names, self.factor)
+        for name in factors:
+            if name not in names:
+                raise TaskError(
+                    f"The strength is that of the muscle {shown(name)}{did_you_mean(name, names)}: expected muscles of "
+                    f"the arm {arm.name}, such as {', '.join(names[:5])}."
+                )
+        for muscle in arm.muscles:
+            factor = factors.get(muscle.name, 1.0)
+            force = factor * muscle.max_isometric_force if factor else _LEAST_FORCE
+            try:
+                yield replace(muscle, max_isometric_force=force)
+            except ValidationError as error:
+                raise TaskError(
+                    f"The strength {factor:g} gives a muscle of the arm {arm.name} a maximum isometric force of "
+                    f"{force:.3g} N: {error.errors()[0]['msg']}."
+                ) from error
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -24,7 +24,11 @@ class DrakearmError(Exception):
     """
 
     def __init__(self, message: str) -> None:
-        super().__init__(_shortened(_CONTROL.sub(" ", message), LONGEST_MESSAGE))
+        super().__init__(_one_line(message))
+
+    def add_note(self, note: str, /) -> None:
+        """Adds a line below the message, which is treated like the message."""
+        super().add_note(_one_line(note))
 
 
 class ArmError(DrakearmError):
@@ -110,6 +114,10 @@ def shown(value: Any) -> str:
     except ValueError:  # Python refuses to write an integer with thousands of digits
         text = "a number with thousands of digits"
     return _shortened(text, _LONGEST_VALUE)
+
+
+def _one_line(text: str) -> str:
+    return _shortened(_CONTROL.sub(" ", text), LONGEST_MESSAGE)
 
 
 def _shortened(text: str, length: int) -> str:

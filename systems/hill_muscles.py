@@ -70,7 +70,7 @@ def HillMuscles_(T):
         excitation        n       0..1 neural command; clamped to [minimum_activation, 1]
         arm_state         2 n_q   SI   q and v of the skeleton, rad and rad/s
         generalized_force n_q     Nm   of the muscles on the joints
-        activation        n       0..1
+        activation        n       0..1 stays in [minimum_activation, 1]
         fiber_length      n       m
         fiber_velocity    n       m/s  negative while the fiber shortens
         tendon_force      n       N
@@ -149,8 +149,9 @@ def HillMuscles_(T):
         def SetEquilibrium(self, context: Context, q: np.ndarray, activation: float = RESTING_ACTIVATION):
             """Sets the muscles' state to rest at joint angles q (n_q,), rad, with one activation or (n,) activations.
 
-            Raises EquilibriumError if a muscle has no equilibrium, and StateError for arrays of another size or numbers
-            that are not finite.
+            Activations from 0 to minimum_activation become the minimum, as excitations do. Raises EquilibriumError if a
+            muscle has no equilibrium, and StateError for arrays of another size, for numbers that are not finite, and
+            for activations outside of 0..1.
             """
             state, tau = resting_state(self.arm, np.asarray(q, dtype=float), activation)
             if self.time_step > 0.0:

@@ -50,7 +50,6 @@ class ReachSource(ReferenceSource):
     ):
         super().__init__(first, lookahead)
         self._planner, self._strayed = planner, strayed
-        self._n_q = first.q.shape[1]
         self._target = self.DeclareVectorInputPort("target", len(target))
         self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * self._n_q)
         self._latest = self.DeclareAbstractState(AbstractValue.Make(np.array(target, dtype=float)))

@@ -7,6 +7,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 from pydrake.trajectories import PiecewisePolynomial
 
+from drakearm.errors import TaskError
 from drakearm.model.reference import Reference
 
 
@@ -40,29 +41,37 @@ class ReferenceSource(LeafSystem):
     ========= ====================== =========== ==========================================
 
     reference: of the default context, where it begins at time 0. lookahead: in control steps. After its end a reference
-    stays at its last sample.
+    stays at its last sample. Raises TaskError for a reference that no arm can follow, as with other time steps.
     """
 
     def __init__(self, reference: Reference, lookahead: tuple[int, ...]):
         super().__init__()
         self._lookahead = lookahead
-        n_q = reference.q.shape[1]
-        n_preview = n_q * len(lookahead)
         self._course = self.DeclareAbstractState(AbstractValue.Make(self._make_course(reference, 0.0)))
+        n_q = self._n_q = reference.q.shape[1]
+        n_preview = n_q * len(lookahead)
         self.DeclareVectorOutputPort("reference", 2 * n_q, self._calc_reference)
         self.DeclareVectorOutputPort("preview_q", n_preview, self._calc_preview_q)
         self.DeclareVectorOutputPort("preview_v", n_preview, self._calc_preview_v)
 
     def SetReference(self, root_context: Context, reference: Reference, begin: float = 0.0) -> None:
-        """Replaces the reference by another one, which begins at a time (s)."""
-        context = self.GetMyMutableContextFromRoot(root_context)
-        context.SetAbstractState(self._course, self._make_course(reference, begin))
+        """Replaces the reference by another one, which begins at a time (s).
+
+        Raises TaskError as the constructor does, and for another number of joints.
+        """
+        course, joints = self._make_course(reference, begin), reference.q.shape[1]
+        if joints != self._n_q:
+            raise TaskError(f"The reference has {joints} joints: expected {self._n_q}, as the one before it.")
+        self.GetMyMutableContextFromRoot(root_context).SetAbstractState(self._course, course)
 
     def Reference(self, root_context: Context) -> Reference:
         """The reference of a context."""
         return self._get_course(self.GetMyContextFromRoot(root_context)).reference
 
     def _make_course(self, reference: Reference, begin: float) -> Course:
+        problem = reference.problem()
+        if problem:
+            raise TaskError(f"An arm cannot follow the reference: {problem}.")
         return Course(reference, begin, reference.preview_trajectory(), reference.preview_trajectory(self._lookahead))
 
     def _get_course(self, context: Context) -> Course:

@@ -87,7 +87,8 @@ def _options(
 def main() -> None:
     """Entry point. An error that the user or the computer causes is one sentence on stderr and exit code 1.
 
-    Ctrl-C is exit code 130. Any other exception is a bug, so it is shown with its traceback.
+    The lines below it are its notes, for example the other problems of a file. Ctrl-C is exit code 130. Any other
+    exception is a bug, so it is shown with its traceback.
     """
     prepare_streams()
     # Meshcat announces itself when a replay is written. A filter, because Drake sets its level when it is imported.
@@ -95,7 +96,7 @@ def main() -> None:
     try:
         app()
     except DrakearmError as error:
-        message = str(error)
+        message = "\n       ".join([str(error), *getattr(error, "__notes__", [])])
     except OSError as error:
         message = _refusal(error)
     except MemoryError:

@@ -18,7 +18,7 @@ from drakearm.experiments.choices import Preset
 from drakearm.experiments.success import FOLLOWS, Success
 from drakearm.files import read_yaml
 from drakearm.files.fields import STRICT, FileName, NonNegative, PlainText
-from drakearm.files.problems import describe
+from drakearm.files.problems import file_error
 from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import Arm, load_arm
 from drakearm.model.obstacle import Obstacle
@@ -123,6 +123,6 @@ def read_file(file: Path, kind: type[_WithArm]) -> _WithArm:
     try:
         loaded = TypeAdapter(kind).validate_python(content)
     except ValidationError as error:
-        raise ScenarioError(describe(error, file, content, kind)) from error
+        raise file_error(ScenarioError, error, file, content, kind) from error
     own = file.resolve().parent / loaded.arm
     return replace(loaded, arm=str(own)) if os.path.isfile(own / "muscles.yaml") else loaded

@@ -1,20 +1,32 @@
-"""What is wrong in a file that does not fit its schema, as one sentence."""
+"""What is wrong in a file that does not fit its schema, each problem as one sentence."""
 
 import re
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from drakearm.errors import did_you_mean, shown
+from drakearm.errors import DrakearmError, did_you_mean, shown
+
+E = TypeVar("E", bound=DrakearmError)
+_MOST_NOTES = 10  # of an error: what fits on a screen
 
 
-def describe(error: ValidationError, file: Path, content: Mapping[str, Any], schema: type) -> str:
-    """One sentence: the file, then the first of its problems as in `first_problem`."""
-    return f"{shown(file)}: {first_problem(error, content, schema)}."
+def file_error(kind: type[E], error: ValidationError, file: Path, content: Mapping[str, Any], schema: type) -> E:
+    """An error of a kind of ours: the file, then its first problem as in `first_problem`. Its notes are the other ones.
+
+    Python shows notes below the message of an error (PEP 678), and so does the command line.
+    """
+    found = kind(f"{shown(file)}: {first_problem(error, content, schema)}.")
+    others = list(_problems(error, content, schema))[1:]
+    for problem in others[:_MOST_NOTES]:
+        found.add_note(f"{problem}.")
+    if len(others) > _MOST_NOTES:
+        found.add_note(f"and {len(others) - _MOST_NOTES} more.")
+    return found
 
 
 def first_problem(error: ValidationError, content: Mapping[str, Any], schema: type) -> str:
@@ -23,15 +35,20 @@ def first_problem(error: ValidationError, content: Mapping[str, Any], schema: ty
     content: what was validated. schema: the dataclass that it should be. An element of a list that has a `name` is
     called by it.
     """
+    first, *others = _problems(error, content, schema)
+    more = len(others)
+    return f"{first} (and {more} more problem{'s' * (more > 1)})" if more else first
+
+
+def _problems(error: ValidationError, content: Mapping[str, Any], schema: type) -> Iterator[str]:
+    """Every problem, as a part of a sentence."""
     problems: dict[tuple[int | str, ...], list[Any]] = {}  # by the place in the content
     for problem in error.errors(include_url=False):
         problems.setdefault(_place(problem, content), []).append(problem)
     for place in _consequences(problems):
         del problems[place]
-    place, here = next(iter(problems.items()))
-    more = len(problems) - 1
-    others = f" (and {more} more problem{'s' * (more > 1)})" if more else ""
-    return f"{_sentence(place, here, content, schema)}{others}"
+    for place, here in problems.items():
+        yield _sentence(place, here, content, schema)
 
 
 def _consequences(problems: Mapping[tuple[int | str, ...], list[Any]]) -> list[tuple[int | str, ...]]:

@@ -5,6 +5,7 @@ from drakearm.model.arm import Arm, Capsule, Muscle
 from drakearm.model.equilibrium import Equilibrium, find_equilibrium
 from drakearm.model.feedback import Feedback
 from drakearm.model.inspection import inspect_arm
+from drakearm.model.isometric import Isometric, isometric_torque, joint_stiffness
 from drakearm.model.loader import load_arm
 from drakearm.model.motion import Motion
 from drakearm.model.musculature import RESTING_ACTIVATION
@@ -21,6 +22,7 @@ __all__ = [
     "Capsule",
     "Equilibrium",
     "Feedback",
+    "Isometric",
     "Kind",
     "MakeTorqueArm",
     "Motion",
@@ -32,6 +34,8 @@ __all__ = [
     "TensorTerm",
     "find_equilibrium",
     "inspect_arm",
+    "isometric_torque",
+    "joint_stiffness",
     "load_arm",
     "load_recordings",
     "save_recordings",

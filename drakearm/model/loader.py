@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from drakearm.errors import ArmError, did_you_mean, shown
 from drakearm.files import read_yaml
-from drakearm.files.problems import describe
+from drakearm.files.problems import file_error
 from drakearm.model.arm import Arm, Muscle
 from drakearm.model.limb import SLACK_LENGTH_TO_COME, Limb, complete
 from drakearm.model.skeleton_file import moving_joints
@@ -61,7 +61,7 @@ def load_limb(arm: str | Path) -> Limb:
         loaded = TypeAdapter(Arm).validate_python(merged)
     except ValidationError as error:
         problems = _in_defaults(error, given, defaults or {})
-        raise ArmError(describe(problems, file, {**merged, "defaults": defaults}, _MuscleFile)) from error
+        raise file_error(ArmError, problems, file, {**merged, "defaults": defaults}, _MuscleFile) from error
     return complete(loaded, file, without_slack_length)
 
 

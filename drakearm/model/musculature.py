@@ -29,6 +29,7 @@ from drakearm.muscle.parameters import muscle_parameters
 
 RESTING_ACTIVATION = 0.05  # of a muscle for which the user gives no activation
 LARGEST_STATE = 1e6  # rad or rad/s: an arm that moves further or faster is a simulation that diverges
+_ROUNDING = 1e-6  # of an activation that an optimization found, outside of 0..1
 _STRONGEST = 100.0  # times max_isometric_force, of a resting muscle: arm14 has 6 at most; any fiber would tear
 
 
@@ -217,6 +218,23 @@ def equilibrium_fiber_lengths(arm: Arm, q: np.ndarray, activation: np.ndarray) -
     return length.T
 
 
+def sound_activations(arm: Arm, activation: float | np.ndarray, *shapes: tuple[int, ...]) -> np.ndarray:
+    """The activations clamped to [minimum_activation, 1]: (n,), or the shape that they have if it is one of `shapes`.
+
+    activation: 0..1, one number for all muscles, (n,), or of one of the shapes (..., n). Raises StateError, which names
+    the muscle, for an activation outside of 0..1, and as `require_state` does.
+    """
+    given = np.asarray(activation, dtype=float)
+    if given.ndim > 0:
+        require_state("activations", given, given.shape if given.shape in shapes else (len(arm.muscles),))
+    wrong = ~(np.abs(given - 0.5) <= 0.5 + _ROUNDING)  # also NaN
+    if wrong.any():
+        index = np.argwhere(wrong)[0]
+        which = f"activation of {arm.muscle_names[index[-1]]}" if index.size else "activation"
+        raise StateError(f"The {which} is {given[tuple(index)]:.4g}: expected a number from 0 to 1.")
+    return np.clip(given, arm.muscle_table["minimum_activation"], 1.0)
+
+
 def _listed(values: np.ndarray) -> str:
     return np.array2string(np.asarray(values), precision=4, threshold=6, edgeitems=2, separator=", ")
 
@@ -224,15 +242,14 @@ def _listed(values: np.ndarray) -> str:
 def resting_states(arm: Arm, q: np.ndarray, activation: float | np.ndarray) -> np.ndarray:
     """The states (N, 4 n), as in `muscle_step`, of the muscles of N arms at rest at joint angles q (N, n_q).
 
-    activation: one number for all muscles, (n,), or (N, n). Raises EquilibriumError if a muscle has no equilibrium, and
-    StateError for arrays of another size or numbers that are not finite.
+    activation: 0..1, one number for all muscles, (n,), or (N, n); clamped to [minimum_activation, 1] as excitations
+    are. Raises EquilibriumError if a muscle has no equilibrium, and StateError for arrays of another size, for numbers
+    that are not finite, and for activations outside of 0..1.
     """
     n, n_q = len(arm.muscles), len(arm.coordinates)
     require_state("joint angles", q, (len(q), n_q))
-    given = np.asarray(activation, dtype=float)
-    require_state("activations", given, given.shape if given.shape in ((), (len(q), n)) else (n,))
-    fiber_length = equilibrium_fiber_lengths(arm, q, given)
-    activations = np.broadcast_to(given, fiber_length.shape)
+    activations = np.broadcast_to(sound_activations(arm, activation, (len(q), n)), (len(q), n))
+    fiber_length = equilibrium_fiber_lengths(arm, q, activations)
     return np.hstack([activations, fiber_length, fiber_length, np.zeros_like(fiber_length)])
 
 

@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 
 from drakearm.errors import RunFolderError, shown
-from drakearm.files.arrays import Layout, load_arrays, load_stack, save_arrays, save_stack
+from drakearm.files.arrays import Layout, array_problem, load_arrays, load_stack, save_arrays, save_stack
 from drakearm.model.arm import Arm
 from drakearm.model.reference import CONTROL_STEP, time_problem
 
@@ -61,7 +61,10 @@ class Recording:
         return np.linalg.norm(self.v_WH, axis=1)
 
     def check(self, arm: Arm) -> None:
-        """Raises RunFolderError if this is not a recording of the arm."""
+        """Raises RunFolderError if this is not a recording of the arm, or if its arrays do not fit each other."""
+        problem = array_problem(self)
+        if problem:
+            raise RunFolderError(f"The recording has a wrong array: {problem}.")
         found, expected = (self.q.shape[1], self.activation.shape[1]), (len(arm.coordinates), len(arm.muscles))
         if found != expected:
             raise RunFolderError(

@@ -4,10 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drakearm.errors import TaskError
 from drakearm.model import Arm, MakeTorqueArm
+from drakearm.model.joint_ranges import range_problem
 from drakearm.model.reference import Reference
 from drakearm.model.skeleton import movement_torques
 from drakearm.model.static_optimization import negligible_reserve, static_activations
+from drakearm.model.weakness import weakness
 
 
 @dataclass(frozen=True)
@@ -33,14 +36,24 @@ class Feasibility:
 
     @property
     def verdict(self) -> str:
-        """One sentence: the largest activation, or which joint lacks how much torque, and when."""
+        """One sentence: the largest activation, or which joint lacks how much torque, and when, see `weakness`."""
         if self.feasible:
             return f"The muscles can do it, with activations of at most {self.activation.max():.2f}."
         k, j = np.unravel_index(np.abs(self.reserve).argmax(), self.reserve.shape)
-        return (
-            f"The muscles cannot do it: at {self.t[k]:.2f} s the {self.coordinates[j]} lacks "
-            f"{abs(self.reserve[k, j]):.3g} Nm, where the movement takes {abs(self.required[k, j]):.3g} Nm."
-        )
+        why = weakness(self.coordinates[j], float(self.reserve[k, j]), float(self.required[k, j]))
+        return f"The muscles cannot do it: at {self.t[k]:.2f} s {why}."
+
+    @property
+    def advice(self) -> str:
+        """What to change if the muscles cannot do it, as one sentence."""
+        missing = np.abs(self.reserve).max(axis=1) > self.negligible
+        for k, where in ((0, "start"), (-1, "target")):
+            if missing[k]:
+                return (
+                    f"More time does not help, because they cannot hold the posture at the {where}: expected another "
+                    f"{where} or a smaller load."
+                )
+        return "Expected more time, a smaller load or a nearer target."
 
 
 def muscle_feasibility(arm: Arm, reference: Reference, load_mass: float = 0.0) -> Feasibility:
@@ -48,8 +61,13 @@ def muscle_feasibility(arm: Arm, reference: Reference, load_mass: float = 0.0) -
 
     load_mass: kg, in the hand. Static optimization (Anderson and Pandy 2001) considers each sample on its own. It takes
     account of the force-length-velocity curves, passive forces and stretched tendons, but it lets activations change
-    instantly from one sample to the next.
+    instantly from one sample to the next. Raises TaskError if the reference does not fit the arm, or if an angle is
+    outside of the range of its joint by more than 0.15 rad.
     """
+    reference.check(arm)
+    problem = range_problem(arm, reference.q)
+    if problem:
+        raise TaskError(f"The arm {arm.name} cannot follow the reference: {problem}.")
     q, v = reference.q, reference.v
     required = movement_torques(MakeTorqueArm(arm, load_mass), q, v, reference.a)
     activation, reserve = np.empty((len(q), len(arm.muscles))), np.empty_like(required)

@@ -85,7 +85,7 @@ def move(
     planned = plan(arm, movement, load_mass, obstacle)
     feasibility = muscle_feasibility(arm, planned.reference, load_mass)
     if not feasibility.feasible:
-        raise PlanningError(f"{feasibility.verdict} Expected more time, a smaller load or a nearer target.")
+        raise PlanningError(f"{feasibility.verdict} {feasibility.advice}")
     task = repertoire.exact_task(planned.reference, load_mass, obstacle)
     recording = run_policy(task, policy)
     report = PlanReport(

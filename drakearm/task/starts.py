@@ -20,7 +20,7 @@ class StartState(NamedTuple):
 
     q: np.ndarray  # (n_q,) rad; it will be clipped to the joints' ranges
     v: float | np.ndarray = 0.0  # rad/s, one number for all joints, or (n_q,)
-    activation: float | np.ndarray = RESTING_ACTIVATION  # one number for all muscles, or (n,)
+    activation: float | np.ndarray = RESTING_ACTIVATION  # 0..1, one number for all muscles, or (n,)
     step: int = 0  # of the reference, at which the episode starts; it is shorter by this many control steps
 
 

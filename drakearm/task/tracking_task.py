@@ -51,15 +51,7 @@ class TrackingTask:
         return episode
 
     def __post_init__(self) -> None:
-        problem = self.reference.problem()
-        if problem:
-            raise TaskError(f"The arm {self.arm.name} cannot follow the reference: {problem}.")
-        joints, coordinates = self.reference.q.shape[1], self.arm.coordinates
-        if joints != len(coordinates):
-            raise TaskError(
-                f"The reference has {joints} joints: expected {len(coordinates)}, the {', '.join(coordinates)} of the "
-                f"arm {self.arm.name}."
-            )
+        self.reference.check(self.arm)
         _ = self.episode(None).delay_steps
         check_signals(f"The reward {type(self.reward).__name__}", self.reward.reads)
         self.reward.check(self.arm)

@@ -7,7 +7,7 @@ import yaml
 
 from drakearm.experiments import scenario_files
 from drakearm.model.reference import Reference
-from tests.cli.command import drakearm
+from tests.cli.command import drakearm, start
 
 
 def plan(*arguments, code=0):
@@ -83,3 +83,13 @@ def test_plan_all_plans_every_shipped_scenario(tmp_path):
     for name in scenario_files():
         assert (tmp_path / name / "plan.png").is_file()
     assert rows.index("lift-2kg") < rows.index("lift-10kg")
+
+
+def test_every_problem_of_a_file_has_a_line(tmp_path):
+    file = written(tmp_path, "wrong", hold=-1.0, speed="fast", knots=2)
+    process = start("plan", file)
+    _, errors = process.communicate()
+    assert process.returncode == 1
+    first, *others = errors.splitlines()
+    assert first.startswith(f"error: {file}: movement.") and first.endswith("(and 2 more problems).")
+    assert len(others) == 2 and all(line.startswith("       movement.") and line.endswith(".") for line in others)

@@ -178,6 +178,18 @@ def test_strength_scales_every_muscle_and_no_sense(short):
     )
 
 
+def test_strength_of_some_muscles_leaves_the_others_as_they_are(short):
+    named = Perturbation.read({"type": "strength", "factor": {"BRA": 0.5, "BRD": 0.0}})
+    assert named == Strength({"BRA": 0.5, "BRD": 0.0})
+    muscles, before = named.perturb_task(short).arm.muscles, short.arm.muscles
+    for muscle, old in zip(muscles, before, strict=True):
+        factor = {"BRA": 0.5, "BRD": 0.0}.get(muscle.name, 1.0)
+        assert muscle.max_isometric_force == pytest.approx(factor * old.max_isometric_force, abs=2e-6)
+    recording = MakeStaticLoop(short, perturbations=[named]).Run()
+    i = short.arm.muscle_names.index("BRD")
+    assert np.abs(recording.tendon_force[:, i]).max() < 1e-4 < recording.tendon_force[:, i - 2].max()
+
+
 def test_a_start_offset_moves_all_joints_within_their_ranges(short):
     for angle in (3.0, -400.0):
         loop = MakeStaticLoop(short, perturbations=[StartOffset(angle)])
@@ -210,6 +222,8 @@ def test_start_noise_has_its_standard_deviation(short):
         ({"type": "sensor_delay", "delay": 0.0105}, "found 0.0105, expected a whole number of time steps of 0.001 s"),
         ({"type": "sensor_delay", "delay": -0.01}, "sensor_delay.delay: found -0.01, expected a number greater"),
         ({"type": "strength", "factor": 0.0}, "strength.factor: found 0.0, expected a number greater than 0"),
+        ({"type": "strength", "factor": {"BRA": -0.5}}, "strength.factor.BRA: found -0.5, expected a number greater"),
+        ({"type": "strength", "factor": [1.0, 0.5]}, r"strength.factor: found \[1.0, 0.5\], expected a number"),
         ({"type": "push", "torque": 1.0, "start": 0.1}, "push.duration: is missing"),
         ({"type": "start_noise", "activation": 2.0}, "start_noise.activation: found 2.0, expected a number less"),
     ],
@@ -222,6 +236,8 @@ def test_impossible_perturbations_are_refused(content, sentence):
 def test_perturbations_that_do_not_fit_the_arm_are_refused(short):
     with pytest.raises(TaskError, match="push has 3 torques: expected one, or 2, one for each joint"):
         MakeStaticLoop(short, perturbations=[Push((1.0, 2.0, 3.0), 0.0, 0.1)])
+    with pytest.raises(TaskError, match=r"muscle .BRAC. \(did you mean BRA\?\): expected muscles of the arm arm14"):
+        MakeStaticLoop(short, perturbations=[Strength({"BRAC": 0.5})])
     strong = replace(short.arm, muscles=[replace(m, max_isometric_force=9e5) for m in short.arm.muscles])
     with pytest.raises(TaskError, match=r"strength 10 gives a muscle of the arm .* 9e\+06 N: "):
         MakeStaticLoop(replace(short, arm=strong), perturbations=[Strength(10.0)])

@@ -67,6 +67,12 @@ def test_an_excitation_that_is_not_finite_is_refused(arm, time_step):
         ({"q": np.zeros(2), "v": np.zeros(1)}, "joint speeds .* expected 2 finite numbers"),
         ({"q": np.array([0.0, np.nan])}, "joint angles .* expected 2 finite numbers"),
         ({"q": np.zeros(2), "activation": np.zeros(3)}, "activations .* expected 14 finite numbers"),
+        ({"q": np.zeros(2), "activation": np.nan}, "The activation is nan: expected a number from 0 to 1"),
+        ({"q": np.zeros(2), "activation": -0.5}, "The activation is -0.5: expected a number from 0 to 1"),
+        (
+            {"q": np.zeros(2), "activation": np.linspace(0.0, 1.5, 14)},
+            "The activation of ECRB is 1.038: expected a number from 0 to 1",
+        ),
     ],
 )
 def test_a_state_of_the_wrong_size_is_refused(arm, arguments, sentence):

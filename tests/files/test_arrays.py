@@ -244,6 +244,11 @@ def test_a_recording_of_another_arm_is_refused(arm):
         make_recording().check(arm)
 
 
+def test_a_recording_whose_arrays_do_not_fit_each_other_is_refused(arm):
+    with pytest.raises(RunFolderError, match="has a wrong array: reference_q: found N = 3, expected N = 6"):
+        make_recording(reference_q=np.zeros((3, 2))).check(arm)
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [

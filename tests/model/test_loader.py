@@ -198,8 +198,27 @@ def test_a_wrong_default_is_one_problem(folder):
         fields["muscles"][0]["activation_time"] = 0.01  # does not use the wrong default
         fields["muscles"][5]["optimal_fiber_length"] = 0
 
-    message = refusal(folder(change))
-    assert "defaults.tendon_strain: found 'stiff', expected a number (and 3 more problems)" in message
+    with pytest.raises(ArmError) as error:
+        load_arm(folder(change))
+    assert "defaults.tendon_strain: found 'stiff', expected a number (and 3 more problems)" in str(error.value)
+    notes = sorted(error.value.__notes__)
+    assert notes[0].startswith("defaults.activation_time: found -1, expected a number greater than 0")
+    assert notes[1] == "defaults.colour: there is no such field."
+    assert len(notes) == 3 and notes[2].startswith("muscles.BRA.optimal_fiber_length: found 0")
+
+
+def test_of_many_problems_ten_are_listed_below_the_first(folder):
+    """Each in one line that cannot change the terminal."""
+
+    def change(fields):
+        for muscle in fields["muscles"]:
+            muscle["max_isometric_force"] = "\x1b[2J"
+
+    with pytest.raises(ArmError, match=r"\(and 13 more problems\)") as error:
+        load_arm(folder(change))
+    *notes, last = error.value.__notes__
+    assert len(notes) == 10 and last == "and 3 more."
+    assert all(note.isprintable() and note.endswith(".") for note in notes)
 
 
 def test_a_misspelled_default_is_named_with_the_field_that_was_meant(folder):

@@ -72,6 +72,19 @@ def test_rest_stays_at_rest(arm, time_step):
         np.testing.assert_allclose(muscles.GetOutputPort(name).Eval(context), value, atol=1e-6)
 
 
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
+def test_an_activation_below_the_minimum_becomes_the_minimum(arm, time_step):
+    muscles = HillMuscles(arm, time_step)
+    context, least = muscles.CreateDefaultContext(), muscles.CreateDefaultContext()
+    q = np.array([0.0, 1.0])
+    muscles.SetEquilibrium(context, q, np.linspace(0.0, 1.0 + 1e-9, N))
+    muscles.SetEquilibrium(least, q, np.maximum(np.linspace(0.0, 1.0, N), arm.muscle_table["minimum_activation"]))
+    for name in ("activation", "fiber_length"):
+        values = [muscles.GetOutputPort(name).Eval(each) for each in (context, least)]
+        np.testing.assert_allclose(*values, rtol=1e-8)
+        assert values[0].max() <= 1.0
+
+
 def test_posture_without_equilibrium_is_an_error_that_names_the_muscles(arm):
     muscles = HillMuscles(arm)
     with pytest.raises(EquilibriumError, match="BIClong"):
