@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.cli.folders import learned_run_folder, planned_run_folder, say_removed
+from drakearm.cli.folders import learned_run_folder, planned_run_folder, run_folder, say_removed
 from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument, path
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.perturbations import (
@@ -28,7 +28,11 @@ def evaluate(
     scenario: ScenarioArgument,
     policy: Annotated[
         Path | None,
-        typer.Option(help="Evaluate this policy instead of the run's own.", metavar="FILE", parser=path),
+        typer.Option(
+            help="Evaluate this policy instead of the run's own, or `static` for static optimization.",
+            metavar="FILE",
+            parser=path,
+        ),
     ] = None,
     load: Load = None,
     motor_noise: MotorNoise = None,
@@ -50,17 +54,38 @@ def evaluate(
     With another policy, or with perturbations, of which no policy knows: 10 runs without exploration, each from a
     random start. The results go to perturbed.json and perturbed.npz (the first of the runs), and the run's own metrics
     stay. Several perturbations act together.
+
+    `drakearm evaluate lift-2kg --policy static --out runs/static` needs no training: static optimization moves the arm.
+    It writes metrics.json and recording.npz, into a folder without a policy. If there is no plan, it plans first.
     """
     import_own_code(imports)
     perturbations = chosen_perturbations(load, motor_noise, sensor_delay, push, strength, start_offset)
     from drakearm.experiments import evaluate_step
+    from drakearm.repertoire.driver import STATIC
 
+    if str(policy) == STATIC:
+        if perturbations:
+            raise typer.BadParameter("expected a policy with perturbations, not static optimization.")
+        _evaluate_static(scenario, out, overwrite)
+        return
     with (planned_run_folder if policy else learned_run_folder)(scenario, out) as run:
         if policy or perturbations:
             _evaluate_perturbed(run, perturbations, policy, overwrite)
             return
         outdated = run.claim("evaluate", overwrite)
         show_metrics(run, evaluate_step(run))
+        say_removed(outdated)
+
+
+def _evaluate_static(scenario: str, out: Path | None, overwrite: bool) -> None:
+    from drakearm.experiments import plan_step, static_step
+
+    with run_folder(scenario, out) as run:
+        if not run.path("scenario").exists():
+            plan_step(run, scenario)
+    with planned_run_folder(scenario, out) as run:
+        outdated = run.claim("evaluate", overwrite)
+        show_metrics(run, static_step(run))
         say_removed(outdated)
 
 

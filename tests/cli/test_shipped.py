@@ -41,3 +41,12 @@ def test_export_makes_what_it_needs(tmp_path, monkeypatch):
     printed = drakearm("export", "timing-0.4s", "--csv")
     assert "using the policy that drakearm ships" in printed and "wrote timing-0.4s.csv" in printed
     assert drakearm("export", "timing-0.4s", "--sto") == "wrote timing-0.4s.sto\n"
+
+
+def test_static_optimization_needs_no_training(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "not trained" in drakearm("evaluate", "timing-0.4s", "--policy", "static", "--out", "static")
+    assert drakearm("export", "static", "--csv") == "wrote timing-0.4s.csv\n"
+    drakearm("evaluate", "timing-0.4s", "--policy", "static", "--load", 1, code=2)
+    drakearm("evaluate", "timing-0.4s")
+    assert "has a policy" in drakearm("evaluate", "timing-0.4s", "--policy", "static", "--overwrite", code=1)
