@@ -7,7 +7,7 @@ from drakearm.model.feedback import Feedback
 from drakearm.model.inspection import inspect_arm
 from drakearm.model.loader import load_arm
 from drakearm.model.motion import Motion
-from drakearm.model.musculature import RESTING_ACTIVATION
+from drakearm.model.musculature import RESTING_ACTIVATION, muscle_geometry
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.path_terms import PathTerm, TensorTerm
 from drakearm.model.recording import Recording, load_recordings, save_recordings
@@ -34,5 +34,6 @@ __all__ = [
     "inspect_arm",
     "load_arm",
     "load_recordings",
+    "muscle_geometry",
     "save_recordings",
 ]
