@@ -45,6 +45,7 @@ faults: $(LINKED) ## kills commands at 100 random moments and checks that nothin
 pictures: $(LINKED) ## remakes the pictures of the README and of docs from shipped policies
 	$(BIN)/python docs/make_pictures.py
 	$(BIN)/python docs/draw_diagrams.py
+	$(BIN)/python docs/draw_holding.py
 	$(BIN)/python tests/benchmarks/integration.py
 
 bench: $(LINKED) ## how fast and how accurate, next to other packages where they are installed

@@ -1,5 +1,6 @@
 """Functions that build Diagrams from the Systems of Drake and drakearm."""
 
+from drakearm.diagrams.hand_force import HandForce
 from drakearm.diagrams.mpc_loop import MakeMpcLoop, MpcLoop
 from drakearm.diagrams.muscle_arm import AddMuscleArm, AddMuscles, MakeSimulator, MuscleArm
 from drakearm.diagrams.perturbation import Perturbation
@@ -20,6 +21,7 @@ __all__ = [
     "AddRecorder",
     "AddTrackingTask",
     "ExtraLoad",
+    "HandForce",
     "MakeMpcLoop",
     "MakePolicyLoop",
     "MakeReachingLoop",

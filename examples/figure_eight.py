@@ -9,8 +9,7 @@ from drakearm.diagrams import MakeReachingLoop, MakeSimulator
 from drakearm.model import load_arm
 from drakearm.model.skeleton import hand_motion
 from drakearm.planning import ReachPlanner, posture_at
-from drakearm.repertoire import load_repertoire
-from drakearm.repertoire.shipped import shipped_policy
+from drakearm.repertoire import load_repertoire, shipped_policy
 
 STEP = 0.01  # s
 TIME = 0.4  # s, from a target to the next one

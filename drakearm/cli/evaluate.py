@@ -1,12 +1,19 @@
 """`drakearm evaluate`."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.cli.folders import learned_run_folder, opened, planned_run_folder, say_removed
+from drakearm.cli.folders import (
+    learned_run_folder,
+    newly_planned_run_folder,
+    opened,
+    planned_run_folder,
+    say_removed,
+)
 from drakearm.cli.options import Import, OutOfAll, Overwrite, ScenarioArguments, path
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.perturbations import (
@@ -29,7 +36,11 @@ def evaluate(
     scenarios: ScenarioArguments,
     policy: Annotated[
         Path | None,
-        typer.Option(help="Evaluate this policy instead of the run's own.", metavar="FILE", parser=path),
+        typer.Option(
+            help="Evaluate this policy instead of the run's own, or `static` for static optimization.",
+            metavar="FILE",
+            parser=path,
+        ),
     ] = None,
     load: Load = None,
     motor_noise: MotorNoise = None,
@@ -54,33 +65,41 @@ def evaluate(
     With another policy, or with perturbations, of which no policy knows: 10 runs without exploration, each from a
     random start. The results go to perturbed.json and perturbed.npz (the first of the runs), and the run's own metrics
     stay. Several perturbations act together.
+
+    `drakearm evaluate lift-2kg --policy static --out runs/static` needs no training: static optimization moves the arm.
+    It writes metrics.json and recording.npz, into a folder without a policy. If there is no plan, it plans first.
     """
     import_own_code(imports)
     perturbations = chosen_perturbations(load, motor_noise, sensor_delay, push, strength, start_offset)
-    from drakearm.experiments import evaluate_step
+    from drakearm.experiments import evaluate_step, static_step
+    from drakearm.repertoire.driver import STATIC
 
-    with opened(planned_run_folder if policy else learned_run_folder, scenarios, out) as runs:
-        step = "perturb" if policy or perturbations else "evaluate"
+    static = str(policy) == STATIC
+    if static and perturbations:
+        raise typer.BadParameter("expected a policy with perturbations, not static optimization.")
+    open_one = newly_planned_run_folder if static else planned_run_folder if policy else learned_run_folder
+    measure = static_step if static else evaluate_step
+    with opened(open_one, scenarios, out) as runs:
+        step = "perturb" if perturbations or (policy and not static) else "evaluate"
         outdated = [file for run in runs for file in run.claim(step, overwrite)]
         if step == "perturb":
             for run in runs:
                 _evaluate_perturbed(run, perturbations, policy)
         elif len(runs) == 1:
-            show_metrics(runs[0], evaluate_step(runs[0]))
+            show_metrics(runs[0], measure(runs[0]))
         else:
-            _evaluate_several(runs)
+            _evaluate_several(runs, measure)
         say_removed(outdated)
 
 
-def _evaluate_several(runs: "list[RunFolder]") -> None:
-    from drakearm.experiments import evaluate_step
+def _evaluate_several(runs: "list[RunFolder]", measure: "Callable[[RunFolder], dict[str, Any]]") -> None:
     from drakearm.figures import evaluations_table
 
     evaluations: list[dict[str, Any]] = []
     with show_progress("evaluating", transient=True) as show:
         for run in runs:
             show(run.scenario().name, done=len(evaluations), total=len(runs))
-            evaluations.append(evaluate_step(run))
+            evaluations.append(measure(run))
     console.print(evaluations_table(evaluations))
     say(f"files in {', '.join(str(run.folder) for run in runs)}")
 

@@ -1,12 +1,13 @@
 """`drakearm export`."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drakearm.cli.console import say
-from drakearm.cli.folders import existing_run
+from drakearm.cli.folders import existing_run, recorded_run_folder
 from drakearm.cli.new_file import prepare_new_file
 from drakearm.cli.options import Import, complete_scenario, name_or_path, path
 from drakearm.cli.own_code import import_own_code
@@ -16,7 +17,7 @@ def export(
     run: Annotated[
         str,
         typer.Argument(
-            help="The folder of a run, or the name or file of its SCENARIO if it lies in runs/SCENARIO.",
+            help="The folder of a run, or the name or file of a SCENARIO, whose run lies in runs/SCENARIO.",
             metavar="RUN",
             parser=name_or_path,
             autocompletion=complete_scenario,
@@ -56,6 +57,7 @@ def export(
 
     It has what `drakearm evaluate` recorded without noise, every 10 ms: angles, speeds, reference, excitations,
     activations, fiber lengths and velocities, tendon forces, path lengths, joint moments, powers, and the hand.
+    A scenario that is not evaluated yet is evaluated first, with the policy of its run or the one that drakearm ships.
 
     `drakearm export reach-045 --csv`, then `pandas.read_csv("reach-045.csv")`: columns such as `q_elbow_rad`.
 
@@ -69,7 +71,7 @@ def export(
     from drakearm.experiments.export import export_recording
     from drakearm.model import Recording, load_arm
 
-    with existing_run(run) as folder:
+    with existing_run(run) if os.path.isdir(run) else recorded_run_folder(run, None) as folder:
         recording = Recording.load(folder.existing("recording", f"evaluate {run}"))
         scenario = folder.scenario()
         file = out or Path(f"{scenario.name}{chosen[0]}")

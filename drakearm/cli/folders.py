@@ -26,19 +26,36 @@ def run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
 
 @contextmanager
 def learned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
-    """The folder of a run that has a policy, locked. A new folder gets the policy that drakearm ships for the scenario.
+    """The folder of a run that has a policy, locked.
 
-    Raises RunFolderError if the folder has no policy and none is shipped.
+    A new folder, or one with only the plan, gets the policy that drakearm ships for the scenario. Raises RunFolderError
+    if the folder has no policy and none is shipped.
     """
     from drakearm.experiments import adopt_step, shipped_run
+    from drakearm.experiments.shipped import is_untrained
 
     run, shipped = folder_of(scenario, out), shipped_run(scenario)
-    if shipped and not run.path("scenario").exists():
+    if shipped and is_untrained(run, scenario):
         with run.locked():
             adopt_step(run, scenario, shipped)
         say("using the policy that drakearm ships for this movement")
     with planned_run_folder(scenario, out) as run:
         run.existing("policy", f"train {scenario}")
+        yield run
+
+
+@contextmanager
+def recorded_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
+    """The folder of a run that has a recording, locked. If it has none, its policy is evaluated now.
+
+    Raises RunFolderError if there is neither a recording nor a policy.
+    """
+    from drakearm.experiments import evaluate_step
+
+    recorded = folder_of(scenario, out).path("recording").exists()
+    with (planned_run_folder if recorded else learned_run_folder)(scenario, out) as run:
+        if not recorded:
+            evaluate_step(run)
         yield run
 
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from drakearm.cli.console import say
-from drakearm.cli.folders import existing_run, learned_run_folder
+from drakearm.cli.folders import existing_run, recorded_run_folder
 from drakearm.cli.options import Import, Out, Overwrite, Port, complete_scenario, name_or_path, path
 from drakearm.cli.own_code import import_own_code
 
@@ -137,7 +137,7 @@ def _replay_run(run: str, out: Path | None, overwrite: bool) -> tuple[Path, floa
     from drakearm.experiments import evaluate_step, replay_step
     from drakearm.model import Recording
 
-    with existing_run(run) if os.path.isdir(run) else learned_run_folder(run, out) as found:
+    with existing_run(run) if os.path.isdir(run) else recorded_run_folder(run, out) as found:
         if not found.path("recording").exists():
             evaluate_step(found)
         found.claim("replay", overwrite)

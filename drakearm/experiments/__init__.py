@@ -16,6 +16,7 @@ __all__ = [
     "adopt_step",
     "evaluate_step",
     "evaluation_metrics",
+    "export_recording",
     "load_scenario",
     "make_env",
     "make_task_env",
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from drakearm.experiments.catalog import scenario_files
     from drakearm.experiments.choices import EnvKind, Preset
     from drakearm.experiments.environments import make_env, make_task_env, make_vector_env, scenario_task
+    from drakearm.experiments.export import export_recording
     from drakearm.experiments.metrics import evaluation_metrics, run_metrics, run_policy, run_policy_stochastic
     from drakearm.experiments.perturbed import perturb_step, run_policy_perturbed
     from drakearm.experiments.robustness import robust_step, single_step
@@ -56,6 +58,7 @@ else:
             "drakearm.experiments.catalog": ("scenario_files",),
             "drakearm.experiments.choices": ("EnvKind", "Preset"),
             "drakearm.experiments.environments": ("make_env", "make_task_env", "make_vector_env", "scenario_task"),
+            "drakearm.experiments.export": ("export_recording",),
             "drakearm.experiments.metrics": (
                 "evaluation_metrics",
                 "run_metrics",

@@ -47,13 +47,16 @@ class Column(NamedTuple):
     values: np.ndarray
 
 
-def export_recording(recording: Recording, arm: Arm, file: Path, coordinates: Sequence[str] | None = None) -> None:
-    """Writes a recording of an arm into a file whose name ends in one of FORMATS.
+def export_recording(
+    recording: Recording, arm: Arm, file: str | Path, coordinates: Sequence[str] | None = None
+) -> None:
+    """Writes a recording of an arm into a file whose name ends in .csv, .sto or .mot. An earlier file is replaced.
 
     coordinates: for OpenSim, "JOINT/COORDINATE" of its model for each of the arm's coordinates. By default both names
     are that of the arm's coordinate. Raises RunFolderError if it is not a recording of this arm, or if there are not as
     many coordinates; StorageError if the file has another name, or cannot be written.
     """
+    file = Path(file)
     if file.suffix not in FORMATS:
         raise StorageError(f"{shown(file)} is no name for a table: expected one that ends in {', '.join(FORMATS)}.")
     recording.check(arm)

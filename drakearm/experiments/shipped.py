@@ -20,9 +20,20 @@ def shipped_run(scenario: str | Path) -> RunFolder | None:
     return RunFolder(folder) if scenario_files().get(file.stem) == file and folder.is_dir() else None
 
 
+def is_untrained(run: RunFolder, scenario: str | Path) -> bool:
+    """Whether a folder holds nothing of a run, or only the plan that `plan_step` makes of a shipped scenario."""
+    if not run.path("scenario").exists():
+        return True
+    later = [name for step in STEPS if step != "plan" for name in STEPS[step].files]
+    if any(run.path(name).exists() for name in later) or not run.holds_plan_of(scenario):
+        return False
+    return run.read_json("plan", "plan").get("horizon") is None  # another plan is not what the policy was trained for
+
+
 def adopt_step(run: RunFolder, scenario: str | Path, shipped: RunFolder) -> None:
-    """Plans a shipped scenario and takes its shipped policy, in place of a training."""
-    plan_step(run, scenario)
+    """Takes the shipped policy of a shipped scenario, in place of a training. Plans first if there is no plan."""
+    if not run.holds_plan_of(scenario):
+        plan_step(run, scenario)
     with run.replacing("train", arm_folder(run.scenario().arm)) as new:
         for name in STEPS["train"].files:
             if name != STEPS["train"].record:

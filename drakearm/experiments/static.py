@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from drakearm.diagrams import MakeStaticLoop, Perturbation
+from drakearm.errors import RunFolderError, shown
 from drakearm.experiments.metrics import STOCHASTIC_RUNS, evaluation_metrics, versions
 from drakearm.experiments.perturbed import SEED
 from drakearm.experiments.run_folder import RunFolder
@@ -30,8 +31,13 @@ def static_step(run: RunFolder) -> dict[str, Any]:
     """Evaluates static optimization in a run folder with a plan, but without a policy.
 
     Writes the same files as `evaluate_step` and returns the content of metrics.json. The noise is that of the starts.
+    Raises RunFolderError if the folder has a policy, because these files would not be those of the policy.
     """
     with run.locked():
+        if run.path("policy").exists():
+            raise RunFolderError(
+                f"{shown(run.folder)} has a policy: expected another folder for the run of static optimization."
+            )
         planned = run.read_json("plan", "plan")
         scenario = run.scenario()
         task = run.task(scenario)

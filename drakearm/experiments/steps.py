@@ -52,6 +52,7 @@ def plan_step(
         obstacle=loaded.obstacle,
         plan=planned,
         feasibility=feasibility,
+        horizon=horizon,
     )
     with run.replacing("plan", arm_folder(loaded.arm)) as new:
         new.keep_scenario(scenario, preset)

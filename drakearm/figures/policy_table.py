@@ -29,12 +29,14 @@ _CLEARANCE = "_clearance_cm"  # the end of the keys that belong to the parts of 
 def metrics_table(metrics: Mapping[str, Any], plan: Mapping[str, Any]) -> Table:
     """What metrics.json and plan.json hold, for a person."""
     noisy, success = metrics["noisy"], metrics["noise_free"]["success"]
-    steps, seconds = metrics["training_steps"], metrics["training_seconds"]
+    training = "not trained: static optimization"
+    if "training_steps" in metrics:
+        steps, seconds = metrics["training_steps"], metrics["training_seconds"]
+        training = f"trained: {steps} steps, {steps / seconds:.0f} steps/s, {seconds:.0f} s"
     table = Table(
         title=Text(f"{metrics['scenario']}, seed {metrics['seed']}"),
         caption=Text(
-            f"planned: {plan['solver']}: {plan['status']}, {plan['seconds']:.2f} s without compilation\n"
-            f"trained: {steps} steps, {steps / seconds:.0f} steps/s, {seconds:.0f} s"
+            f"planned: {plan['solver']}: {plan['status']}, {plan['seconds']:.2f} s without compilation\n{training}"
         ),
         caption_justify="left",
     )

@@ -8,7 +8,7 @@ from drakearm.model.inspection import inspect_arm
 from drakearm.model.isometric import Isometric, isometric_torque, joint_stiffness
 from drakearm.model.loader import load_arm
 from drakearm.model.motion import Motion
-from drakearm.model.musculature import RESTING_ACTIVATION
+from drakearm.model.musculature import RESTING_ACTIVATION, muscle_geometry
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.path_terms import PathTerm, TensorTerm
 from drakearm.model.recording import Recording, load_recordings, save_recordings
@@ -38,5 +38,6 @@ __all__ = [
     "joint_stiffness",
     "load_arm",
     "load_recordings",
+    "muscle_geometry",
     "save_recordings",
 ]

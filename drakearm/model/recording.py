@@ -28,7 +28,7 @@ class Recording:
 
     q, v, reference_q, reference_v: (N, n_q). p_WH, v_WH: (N, 3). joint_moment: (N, n, n_q). reward: (N,). All others:
     (N, n), as `HillMuscles` describes them. The excitation of a sample was held during the control step that ends at
-    the time of the sample.
+    the time of the sample. It is what the controller commanded, before motor noise and other perturbations of it.
     """
 
     t: Annotated[np.ndarray, Layout(("N",))]

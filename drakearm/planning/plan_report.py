@@ -25,6 +25,7 @@ class PlanReport:
     obstacle: Obstacle | None
     plan: Plan
     feasibility: Feasibility
+    horizon: float | None = None  # s, if it was planned in a receding horizon
 
     @property
     def angle_limits(self) -> tuple[np.ndarray, np.ndarray]:
@@ -41,6 +42,7 @@ class PlanReport:
             "status": plan.status,
             "iterations": plan.iterations,
             "seconds": plan.seconds,
+            "horizon": self.horizon,
             "duration": float(plan.t[-1]),
             "costs": plan.costs,
             "verification": asdict(plan.verification),

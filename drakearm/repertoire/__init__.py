@@ -7,11 +7,19 @@ from typing import TYPE_CHECKING
 
 from drakearm.lazy import lazy_attributes
 
-__all__ = ["Repertoire", "held_out_errors", "learn_repertoire", "load_repertoire", "repertoire_files"]
+__all__ = [
+    "Repertoire",
+    "held_out_errors",
+    "learn_repertoire",
+    "load_repertoire",
+    "repertoire_files",
+    "shipped_policy",
+]
 
 if TYPE_CHECKING:
     from drakearm.repertoire.errors_table import held_out_errors
     from drakearm.repertoire.repertoire import Repertoire, load_repertoire, repertoire_files
+    from drakearm.repertoire.shipped import shipped_policy
     from drakearm.repertoire.steps import learn_repertoire
 else:
     __getattr__, __dir__ = lazy_attributes(
@@ -19,6 +27,7 @@ else:
         {
             "drakearm.repertoire.errors_table": ("held_out_errors",),
             "drakearm.repertoire.repertoire": ("Repertoire", "load_repertoire", "repertoire_files"),
+            "drakearm.repertoire.shipped": ("shipped_policy",),
             "drakearm.repertoire.steps": ("learn_repertoire",),
         },
     )

@@ -22,7 +22,7 @@ from drakearm.reproduction.trial import Trial
 from drakearm.reproduction.trial_folder import TrialFolder
 
 _LOOK = 0.5  # s, between two looks at the board
-_LEAST, _SHORTEST = 0.02, 5.0  # share of the work that must be done, and time in s, before the rest is estimated
+_LEAST, _SHORTEST = 0.05, 5.0  # share of the work that must be done, and time in s, before the rest is estimated
 
 
 class Watch(Protocol):

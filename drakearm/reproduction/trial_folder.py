@@ -35,6 +35,7 @@ Tell = Callable[[float, str], None]  # told how much of the trial's work is done
 _RECORD = "trial.json"  # how the trial is made: another one is refused
 _READ = ("policy", "training_log", "metrics", "recording", "noisy", "robustness", "robust_runs", "single")
 _EVALUATION = 50_000  # control steps of training that take about as long as all that is not training
+_IMITATION_ROUND = 36_000  # control steps of training that take about as long as a round of imitation
 _COMPARED = ("timing-0.7s", 0)  # scenario and seed of the trials that also run with one perturbation at a time
 
 
@@ -146,10 +147,11 @@ class TrialFolder:
 
     def _train(self, tell: Tell) -> None:
         def show_round(number: int, rounds: int) -> None:
-            tell(0.0, f"imitation, round {number} of {rounds}")
+            tell(self._imitation_work * number / rounds, f"imitation, round {number} of {rounds}")
 
         def show_batch(report: BatchReport) -> None:
-            tell(self._training_work * report.batch / report.batches, f"batch {report.batch} of {report.batches}")
+            of_batches = (self._training_work - self._imitation_work) * report.batch / report.batches
+            tell(self._imitation_work + of_batches, f"batch {report.batch} of {report.batches}")
 
         tell(0.0, "training")
         train_step(
@@ -162,9 +164,13 @@ class TrialFolder:
         )
 
     @property
+    def _imitation_work(self) -> float:
+        return _IMITATION_ROUND * self.settings.imitation_rounds if self.settings else 0.0
+
+    @property
     def _training_work(self) -> float:
         s = self.settings
-        return s.batches * s.environments * s.steps if s else 0.0
+        return self._imitation_work + s.batches * s.environments * s.steps if s else 0.0
 
     def _record(self) -> dict[str, Any]:
         settings = asdict(self.settings) if self.settings else None

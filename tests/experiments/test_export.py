@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drakearm.errors import RunFolderError, StorageError
-from drakearm.experiments.export import export_recording
+from drakearm.experiments import export_recording
 from drakearm.importing.opensim_file import import_opensim
 from drakearm.model.recording import Recording
 from tests.recordings import still_recording
@@ -37,7 +37,7 @@ def read_storage(file):
 
 
 def test_a_csv_has_every_quantity_with_its_unit(recording, arm, tmp_path):
-    export_recording(recording, arm, tmp_path / "x.csv")
+    export_recording(recording, arm, str(tmp_path / "x.csv"))
     table = np.genfromtxt(tmp_path / "x.csv", delimiter=",", names=True)
     bra = arm.muscle_names.index("BRA")
     expected = {

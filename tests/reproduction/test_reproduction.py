@@ -8,7 +8,8 @@ import pytest
 from drakearm.errors import RunFolderError, SweepError
 from drakearm.reproduction.choices import Backend
 from drakearm.reproduction.reproduction import reproduce
-from drakearm.reproduction.trial import Method
+from drakearm.reproduction.trial import Method, Trial
+from drakearm.reproduction.trial_folder import TrialFolder
 from tests.reproduction.small import Small, results, write_scenario
 
 STATIC = (Method.static,)
@@ -123,3 +124,10 @@ def test_ray_cluster(static, scenario, tmp_path):
         assert numbers and os.getpid() not in numbers
     finally:
         ray.shutdown()
+
+
+def test_imitation_counts_as_work(scenario, tmp_path):
+    """It takes most of the time of a training with few batches."""
+    one, two = (TrialFolder(tmp_path, Trial(str(scenario), Method.default, 0), batches) for batches in (1, 2))
+    learned_nothing = TrialFolder(tmp_path, Trial(str(scenario), Method.static, 0))
+    assert one.work - learned_nothing.work > 10 * (two.work - one.work) > 0.0
