@@ -10,15 +10,16 @@ from gymnasium.vector.utils import batch_space
 
 from drakearm.diagrams.muscle_arm import TIME_STEP
 from drakearm.errors import ActionError, TrainingError
+from drakearm.learning.alike import check_alike
+from drakearm.learning.arm_rewards import ArmRewards
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.learning.generator_state import generator_state, restored_generator
 from drakearm.learning.past_signals import PastSignals
-from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.dynamics_table import DynamicsTable
 from drakearm.model.loaded_dynamics import LoadedDynamics
 from drakearm.model.musculature import resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
-from drakearm.task import Reward, TrackingTask, signal_size
+from drakearm.task import TrackingTask, signal_size
 from drakearm.task.episode import LONGEST_STEPS, Episode
 from drakearm.task.signals import OF_BODY, RECENT, REMEMBERED
 
@@ -46,7 +47,7 @@ class ArmVectorEnv(VectorEnv):
                 f"There are {len(tasks)} tasks for {num_envs} arms: expected at least one arm for each task."
             )
         bodies = list(dict.fromkeys(task.arm for task in tasks))
-        self._lower, self._upper = _check_alike(tasks, bodies)
+        self._lower, self._upper = check_alike(tasks, bodies)
         arm = tasks[0].arm
         self._arm, self._observation = arm, tasks[0].observation
 
@@ -57,7 +58,7 @@ class ArmVectorEnv(VectorEnv):
         self._load_mass = np.array([tasks[k].load_mass for k in self.task_of_arm])
         self._arms = CompiledArms(arm, self.skeletons, num_envs, self._lower, self._upper)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
-        self._distinct_rewards, self._reward_of_task = _distinct([task.reward for task in tasks])
+        self._rewards = ArmRewards([task.reward for task in tasks])
         # The samples of all references, one reference after the other. Task i has rows _first[i] to _last[i].
         self._reference = np.concatenate([task.reference.preview() for task in tasks])
         previews = [task.reference.preview(task.lookahead) for task in tasks]
@@ -89,8 +90,7 @@ class ArmVectorEnv(VectorEnv):
             "fiber_velocity": lambda: self._muscle_state[:, 3 * n :],
             "tendon_force": self._tendon_force,
         }
-        read = [*self._observation.reads, *(name for reward in self._distinct_rewards for name in reward.reads)]
-        self._accumulates = "accumulated_error" in read
+        self._accumulates = "accumulated_error" in (*self._observation.reads, *self._rewards.reads)
         late = any(task.senses_delay > 0.0 or task.randomization for task in tasks)
         sizes = {name: signal_size(name, arm, tasks[0].lookahead) for name in self._observation.reads}
         self._past = PastSignals(
@@ -134,7 +134,7 @@ class ArmVectorEnv(VectorEnv):
         self._recent = np.concatenate([values[:, None], self._recent[:, :-1]], axis=1)
         self._row += 1
         self._past.append(self._signals)
-        reward = self._reward()
+        reward = self._rewards(self._signals, self.task_of_arm)
         truncated = self._row == self._last[self.task_of_arm]
         info = self._info()
         observation = self._observe()
@@ -229,16 +229,6 @@ class ArmVectorEnv(VectorEnv):
         present = {name: self._signals[name]() for name in self._observation.reads if name not in late}
         return self._observation(present | late).astype(np.float32)
 
-    def _reward(self) -> np.ndarray:
-        rewards, reward_of_arm = self._distinct_rewards, self._reward_of_task[self.task_of_arm]
-        if len(rewards) == 1:
-            return rewards[0](*(self._signals[name]() for name in rewards[0].reads))
-        total = np.empty(self.num_envs)
-        for k, reward in enumerate(rewards):
-            arms = np.flatnonzero(reward_of_arm == k)
-            total[arms] = reward(*(self._signals[name]()[arms] for name in reward.reads))
-        return total
-
     def _tendon_force(self) -> np.ndarray:
         fibers = np.ascontiguousarray(self._muscle_state[:, : 2 * self._n])
         force = tendon_forces_of_arms(fibers, self._arm_state, self._arm.muscle_table, self._arm.path_table)
@@ -252,43 +242,3 @@ class ArmVectorEnv(VectorEnv):
         }
         everywhere = np.ones(self.num_envs, dtype=bool)
         return info | {f"_{name}": everywhere for name in info}
-
-
-def _distinct(rewards: list[Reward]) -> tuple[list[Reward], np.ndarray]:
-    """The distinct rewards among those of the tasks, and for each task the index of its reward."""
-    distinct: list[Reward] = []
-    for reward in rewards:
-        if reward not in distinct:
-            distinct.append(reward)
-    return distinct, np.array([distinct.index(reward) for reward in rewards])
-
-
-def _check_alike(tasks: list[TrackingTask], bodies: list[Arm]) -> tuple[np.ndarray, np.ndarray]:
-    """The joint ranges, (n_q,) each, rad.
-
-    Raises TrainingError, which names what differs, if the tasks cannot share one compiled function.
-    """
-    plants = {arm: MakeTorqueArm(arm) for arm in bodies}
-    ranges = {
-        arm: (list(plant.GetPositionLowerLimits()), list(plant.GetPositionUpperLimits()))
-        for arm, plant in plants.items()
-    }
-    alike = [
-        {
-            "muscles": task.arm.muscles,
-            "coordinates": task.arm.coordinates,
-            "senses": task.senses,
-            "lookahead": task.lookahead,
-            "joint ranges": ranges[task.arm],
-        }
-        for task in tasks
-    ]
-    for i, other in enumerate(alike):
-        different = [name for name in other if other[name] != alike[0][name]]
-        if different:
-            raise TrainingError(
-                f"Task {i} differs from task 0 in its {' and '.join(different)}: "
-                "expected the same in all tasks of one vector environment."
-            )
-    lower, upper = ranges[tasks[0].arm]
-    return np.array(lower), np.array(upper)
