@@ -17,7 +17,7 @@ from drakearm.learning.generator_state import generator_state, restored_generato
 from drakearm.learning.past_signals import PastSignals
 from drakearm.model.dynamics_table import DynamicsTable
 from drakearm.model.loaded_dynamics import LoadedDynamics
-from drakearm.model.musculature import resting_states, tendon_forces_of_arms
+from drakearm.model.musculature import require_state, resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.task import TrackingTask, signal_size
 from drakearm.task.episode import LONGEST_STEPS, Episode
@@ -210,6 +210,7 @@ class ArmVectorEnv(VectorEnv):
             self._load_mass[k], self._strength[k] = episode.load_mass, episode.strength
             self._delay[k] = episode.delay_steps
             self._draw_noise(k, episode)
+        require_state("joint speeds", arm_state[:, n_q:], (len(arms), n_q))
         q = arm_state[:, :n_q].clip(self._lower, self._upper)
         arm_state[:, :n_q] = q
         self._recent[which] = self._acceleration[which] = self._accumulated[which] = 0.0
