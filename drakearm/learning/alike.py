@@ -1,10 +1,23 @@
 """Which tasks can share one compiled function."""
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
-from drakearm.errors import TrainingError
+from drakearm.errors import TrainingError, shown
 from drakearm.model import Arm, MakeTorqueArm
 from drakearm.task import TrackingTask
+
+
+def require_tasks(tasks: TrackingTask | Sequence[TrackingTask]) -> list[TrackingTask]:
+    """One task or several, as a list. Raises TrainingError if there is anything else."""
+    found = list(tasks) if isinstance(tasks, Iterable) and not isinstance(tasks, str) else [tasks]
+    for task in found:
+        if not isinstance(task, TrackingTask):
+            raise TrainingError(
+                f"Found the task {shown(task)}: expected a TrackingTask, which scenario_task makes from a scenario."
+            )
+    return found
 
 
 def check_alike(tasks: list[TrackingTask], bodies: list[Arm]) -> tuple[np.ndarray, np.ndarray]:

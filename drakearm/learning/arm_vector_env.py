@@ -9,8 +9,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from drakearm.diagrams.muscle_arm import TIME_STEP
-from drakearm.errors import ActionError, TrainingError
-from drakearm.learning.alike import check_alike
+from drakearm.errors import ActionError, TrainingError, shown
+from drakearm.learning.alike import check_alike, require_tasks
 from drakearm.learning.arm_rewards import ArmRewards
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.learning.generator_state import generator_state, restored_generator
@@ -32,16 +32,31 @@ class ArmVectorEnv(VectorEnv):
     i % len(tasks), with the reference, load, start, reward and randomization of this task. With redraw, each arm draws
     another one of the tasks at every reset, with equal chances.
 
-    Spaces, rewards and info are those of `DiagramEnv`. An environment is reset in the same step in which its episode
-    ends (AutoresetMode.SAME_STEP). This step returns the first observation of the next episode. The last observation of
-    the old episode is in `info["final_obs"]`, and the rest of info belongs to the last transition. Environment i is
-    seeded with `seed + i`.
+    Spaces, rewards and info are those of `DiagramEnv`. autoreset_mode: when an environment is reset after the end of
+    its episode. With AutoresetMode.SAME_STEP it is reset in the step that ends the episode. This step returns the first
+    observation of the next episode. The last observation of the old episode is in `info["final_obs"]`, and the rest of
+    info belongs to the last transition. With AutoresetMode.NEXT_STEP, which the vector wrappers of Gymnasium expect,
+    it is reset in the next step. This step ignores its action, and its reward is 0. max_episode_steps: episodes are
+    truncated after so many control steps, even if the reference goes on. Environment i is seeded with `seed + i`.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
-    def __init__(self, tasks: TrackingTask | Sequence[TrackingTask], num_envs: int, *, redraw: bool = False):
-        tasks = [tasks] if isinstance(tasks, TrackingTask) else list(tasks)
+    def __init__(
+        self,
+        tasks: TrackingTask | Sequence[TrackingTask],
+        num_envs: int,
+        *,
+        redraw: bool = False,
+        autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
+        max_episode_steps: int | None = None,
+    ):
+        tasks = require_tasks(tasks)
+        if autoreset_mode not in (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP):
+            raise TrainingError(f"The autoreset mode is {shown(autoreset_mode)}: expected SAME_STEP or NEXT_STEP.")
+        if max_episode_steps is not None and max_episode_steps < 1:
+            raise TrainingError(f"max_episode_steps is {shown(max_episode_steps)}: expected at least 1.")
+        self.metadata = self.metadata | {"autoreset_mode": autoreset_mode}
         if not tasks or not (redraw or len(tasks) <= num_envs):
             raise TrainingError(
                 f"There are {len(tasks)} tasks for {num_envs} arms: expected at least one arm for each task."
@@ -65,7 +80,9 @@ class ArmVectorEnv(VectorEnv):
         halves = np.hsplit(np.concatenate(previews), 2)
         self._preview_q, self._preview_v = (np.ascontiguousarray(half) for half in halves)
         self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]))
-        self._row = self._first[self.task_of_arm]
+        self._row, self._end = self._first[self.task_of_arm], self._last[self.task_of_arm]
+        self._longest = max_episode_steps or len(self._reference)
+        self._ended = np.zeros(num_envs, dtype=bool)  # the arms that the next step resets
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
@@ -105,14 +122,20 @@ class ArmVectorEnv(VectorEnv):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts an episode in every environment; see gymnasium.vector.VectorEnv.reset. There are no options."""
+        """Starts an episode in every environment; see gymnasium.vector.VectorEnv.reset.
+
+        options: may have a `reset_mask` (N,), bool. Then only the environments that it selects start an episode. Raises
+        TrainingError for another mask.
+        """
+        which = _reset_mask(options or {}, self.num_envs)
         if seed is not None:
             seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
             self._generators = [
-                generator if env_seed is None else np.random.default_rng(env_seed)
-                for generator, env_seed in zip(self._generators, seeds, strict=True)
+                np.random.default_rng(env_seed) if resets and env_seed is not None else generator
+                for generator, env_seed, resets in zip(self._generators, seeds, which, strict=True)
             ]
-        self._restart(np.ones(self.num_envs, dtype=bool))
+        self._restart(which)
+        self._ended = self._ended & ~which
         return self._observe(), self._info()
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
@@ -133,12 +156,17 @@ class ArmVectorEnv(VectorEnv):
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._recent = np.concatenate([values[:, None], self._recent[:, :-1]], axis=1)
         self._row += 1
+        resets = self._ended
+        if resets.any():
+            self._restart(resets)
         self._past.append(self._signals)
         reward = self._rewards(self._signals, self.task_of_arm)
-        truncated = self._row == self._last[self.task_of_arm]
+        truncated = self._row == self._end
         info = self._info()
         observation = self._observe()
-        if truncated.any():
+        if self.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP:
+            reward, self._ended = np.where(resets, 0.0, reward), truncated
+        elif truncated.any():
             info["final_obs"], info["_final_obs"] = observation, truncated
             self._restart(truncated)
             observation = self._observe()
@@ -146,14 +174,16 @@ class ArmVectorEnv(VectorEnv):
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that the next steps depend on, by name. To set it continues all episodes where they were."""
-        return {
+        """A copy of all that the next steps depend on, by name. To set it continues all episodes where they were."""
+        arrays = {
             "arm_state": self._arm_state,
             "muscle_state": self._muscle_state,
             "acceleration": self._acceleration,
             "accumulated_error": self._accumulated,
             "recent_excitation": self._recent,
             "row": self._row,
+            "end": self._end,
+            "ended": self._ended,
             "task_of_arm": self.task_of_arm,
             "load_mass": self._load_mass,
             "strength": self._strength,
@@ -163,6 +193,7 @@ class ArmVectorEnv(VectorEnv):
             **self._past.state,
             "generators": np.array([generator_state(generator) for generator in self._generators]),
         }
+        return {name: array.copy() for name, array in arrays.items()}
 
     @state.setter
     def state(self, arrays: dict[str, np.ndarray]) -> None:
@@ -171,6 +202,7 @@ class ArmVectorEnv(VectorEnv):
         self._acceleration, self._recent = arrays["acceleration"].copy(), arrays["recent_excitation"].copy()
         self._accumulated = arrays["accumulated_error"].copy()
         self._row, self.task_of_arm = arrays["row"].copy(), arrays["task_of_arm"].copy()
+        self._end, self._ended = arrays["end"].copy(), arrays["ended"].copy()
         self._load_mass, self._strength = arrays["load_mass"].copy(), arrays["strength"].copy()
         self._delay = arrays["delay"].copy()
         self._motor_noise, self._noise_seed = arrays["motor_noise"].copy(), arrays["noise_seed"].copy()
@@ -207,6 +239,7 @@ class ArmVectorEnv(VectorEnv):
             start = episode.start
             arm_state[i, :n_q], arm_state[i, n_q:], activation[i] = start.q, start.v, start.activation
             self._row[k] = self._first[task] + start.step
+            self._end[k] = min(self._last[task], self._row[k] + self._longest)
             self._load_mass[k], self._strength[k] = episode.load_mass, episode.strength
             self._delay[k] = episode.delay_steps
             self._draw_noise(k, episode)
@@ -243,3 +276,13 @@ class ArmVectorEnv(VectorEnv):
         }
         everywhere = np.ones(self.num_envs, dtype=bool)
         return info | {f"_{name}": everywhere for name in info}
+
+
+def _reset_mask(options: dict[str, Any], num_envs: int) -> np.ndarray:
+    """Which environments a reset with these options starts, (N,), bool. Raises TrainingError for another mask."""
+    mask = options.get("reset_mask")
+    if mask is None:
+        return np.ones(num_envs, dtype=bool)
+    if not (isinstance(mask, np.ndarray) and mask.shape == (num_envs,) and mask.dtype == bool and mask.any()):
+        raise TrainingError(f"The reset_mask is {shown(mask)}: expected an array ({num_envs},) of bool, some true.")
+    return mask
