@@ -105,7 +105,9 @@ def listed(names: Iterable[str], length: int = 120) -> str:
     rest = list(names)
     if len(", ".join(rest)) <= length:
         return ", ".join(rest)
-    first, last, left = [], [], length
+    first: list[str] = []
+    last: list[str] = []
+    left = length
     while len(rest[0]) + len(rest[-1]) + 4 <= left:
         first, last, rest = [*first, rest[0]], [rest[-1], *last], rest[1:-1]
         left -= len(first[-1]) + len(last[0]) + 4
