@@ -48,21 +48,28 @@ class TrackingTask:
 
         Raises TaskError if the start or a randomization makes an episode that is not possible.
         """
-        episode = Episode(self.start(self.reference, rng), self.load_mass, senses_delay=self.senses_delay)
-        self._check(episode, "task has")
+        episodes = [Episode(self.start(self.reference, rng), self.load_mass, senses_delay=self.senses_delay)]
         if rng is not None:
             for randomization in self.randomization:
-                episode = randomization(episode, rng)
-                self._check(episode, f"randomization {type(randomization).__name__} drew")
-        return episode
+                episode: Any = randomization(episodes[-1], rng)
+                if not isinstance(episode, Episode):
+                    name = type(randomization).__name__
+                    raise TaskError(f"The randomization {name} drew {shown(episode)}: expected an Episode.")
+                episodes.append(episode)
+        if self._problem(episodes[-1]):
+            self._refuse(episodes)
+        return episodes[-1]
 
-    def _check(self, episode: Any, found: str) -> None:
-        """Raises TaskError if an episode is not possible. found: the beginning of the message."""
-        if not isinstance(episode, Episode):
-            raise TaskError(f"The {found} {shown(episode)}: expected an Episode.")
-        problem = episode.problem(len(self.arm.muscles), len(self.reference.t) - 1)
-        if problem:
-            raise TaskError(f"The {found} {problem}.")
+    def _problem(self, episode: Episode) -> str | None:
+        return episode.problem(len(self.arm.muscles), len(self.reference.t) - 1)
+
+    def _refuse(self, episodes: Sequence[Episode]) -> None:
+        """Raises TaskError, which names what drew an episode that is not possible. The first one has nothing random."""
+        names = ["task has", *(f"randomization {type(each).__name__} drew" for each in self.randomization)]
+        for name, episode in zip(names, episodes, strict=False):
+            problem = self._problem(episode)
+            if problem:
+                raise TaskError(f"The {name} {problem}.")
 
     def __post_init__(self) -> None:
         problem = self.reference.problem()
@@ -79,7 +86,7 @@ class TrackingTask:
             and all(isinstance(each, Randomization) for each in self.randomization)
         ):
             raise TaskError(f"The randomization is {shown(self.randomization)}: expected a tuple of Randomizations.")
-        _ = self.episode(None)
+        self.episode(None)
         check_signals(f"The reward {type(self.reward).__name__}", self.reward.reads)
         self.reward.check(self.arm)
 
