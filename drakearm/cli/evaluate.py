@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.cli.folders import learned_run_folder, planned_run_folder, say_removed
-from drakearm.cli.options import Import, Out, Overwrite, ScenarioArgument, path
+from drakearm.cli.folders import learned_run_folder, opened, planned_run_folder, say_removed
+from drakearm.cli.options import Import, OutOfAll, Overwrite, ScenarioArguments, path
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.perturbations import (
     Load,
@@ -18,6 +18,7 @@ from drakearm.cli.perturbations import (
     Strength,
     chosen_perturbations,
 )
+from drakearm.cli.progress import show_progress
 
 if TYPE_CHECKING:
     from drakearm.diagrams import Perturbation
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def evaluate(
-    scenario: ScenarioArgument,
+    scenarios: ScenarioArguments,
     policy: Annotated[
         Path | None,
         typer.Option(help="Evaluate this policy instead of the run's own.", metavar="FILE", parser=path),
@@ -36,7 +37,7 @@ def evaluate(
     push: Push = None,
     strength: Strength = None,
     start_offset: StartOffset = None,
-    out: Out = None,
+    out: OutOfAll = None,
     overwrite: Overwrite = False,
     imports: Import = None,
 ) -> None:
@@ -47,6 +48,9 @@ def evaluate(
     Runs the policy once without noise and 10 times with noise. Writes metrics.json (errors in rad) and recording.npz
     (angles, activations and forces of the run without noise), and prints a table.
 
+    With several scenarios, each is evaluated in its own run, and one table shows the errors of all:
+    `drakearm evaluate reach-000 reach-090`.
+
     With another policy, or with perturbations, of which no policy knows: 10 runs without exploration, each from a
     random start. The results go to perturbed.json and perturbed.npz (the first of the runs), and the run's own metrics
     stay. Several perturbations act together.
@@ -55,23 +59,37 @@ def evaluate(
     perturbations = chosen_perturbations(load, motor_noise, sensor_delay, push, strength, start_offset)
     from drakearm.experiments import evaluate_step
 
-    with (planned_run_folder if policy else learned_run_folder)(scenario, out) as run:
-        if policy or perturbations:
-            _evaluate_perturbed(run, perturbations, policy, overwrite)
-            return
-        outdated = run.claim("evaluate", overwrite)
-        show_metrics(run, evaluate_step(run))
+    with opened(planned_run_folder if policy else learned_run_folder, scenarios, out) as runs:
+        step = "perturb" if policy or perturbations else "evaluate"
+        outdated = [file for run in runs for file in run.claim(step, overwrite)]
+        if step == "perturb":
+            for run in runs:
+                _evaluate_perturbed(run, perturbations, policy)
+        elif len(runs) == 1:
+            show_metrics(runs[0], evaluate_step(runs[0]))
+        else:
+            _evaluate_several(runs)
         say_removed(outdated)
 
 
-def _evaluate_perturbed(
-    run: "RunFolder", perturbations: "list[Perturbation]", policy: Path | None, overwrite: bool
-) -> None:
+def _evaluate_several(runs: "list[RunFolder]") -> None:
+    from drakearm.experiments import evaluate_step
+    from drakearm.figures import evaluations_table
+
+    evaluations: list[dict[str, Any]] = []
+    with show_progress("evaluating", transient=True) as show:
+        for run in runs:
+            show(run.scenario().name, done=len(evaluations), total=len(runs))
+            evaluations.append(evaluate_step(run))
+    console.print(evaluations_table(evaluations))
+    say(f"files in {', '.join(str(run.folder) for run in runs)}")
+
+
+def _evaluate_perturbed(run: "RunFolder", perturbations: "list[Perturbation]", policy: Path | None) -> None:
     from drakearm.experiments import perturb_step
     from drakearm.figures import perturbed_table
     from drakearm.model import load_arm
 
-    run.claim("perturb", overwrite)
     metrics = perturb_step(run, perturbations, policy)
     console.print(perturbed_table(metrics, load_arm(run.scenario().arm).coordinates))
     say(f"results in {run.path('perturbed')}")

@@ -1,8 +1,8 @@
 """The run folder that a command works in. While it works there, no other command can."""
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,6 +59,33 @@ def planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]"
 
 
 @contextmanager
+def newly_planned_run_folder(scenario: str, out: Path | None) -> "Iterator[RunFolder]":
+    """The folder of a run that has a plan, locked. A new folder gets one.
+
+    Raises RunFolderError as `planned_run_folder` does, PlanningError if there is no plan.
+    """
+    from drakearm.experiments import plan_step
+
+    run = folder_of(scenario, out)
+    if not run.path("scenario").exists():
+        with run.locked():
+            report = plan_step(run, scenario)
+        say(f"planned {report.name}: {report.plan.status}; {report.feasibility.verdict}")
+    with planned_run_folder(scenario, out) as run:
+        yield run
+
+
+@contextmanager
+def opened(
+    open_one: "Callable[[str, Path | None], AbstractContextManager[RunFolder]]", scenarios: list[str], out: Path | None
+) -> "Iterator[list[RunFolder]]":
+    """The folders of several runs, each opened by a function above. out: of the run if there is one, else of all."""
+    with ExitStack() as stack:
+        places = [(run.folder, scenario) for run, scenario in folders_of(scenarios, out).values()]
+        yield [stack.enter_context(open_one(scenario, folder)) for folder, scenario in places]
+
+
+@contextmanager
 def existing_run(run: str) -> "Iterator[RunFolder]":
     """The folder of a run, locked: the given folder, or that of the scenario with this name or file in runs/.
 
@@ -79,7 +106,24 @@ def folder_of(scenario: str, out: Path | None) -> "RunFolder":
     return RunFolder(out or Path("runs") / load_scenario(scenario).name)
 
 
+def folders_of(scenarios: list[str], out: Path | None) -> "dict[str, tuple[RunFolder, str]]":
+    """A folder for each scenario, by the scenario's name. out: holds these folders, or is the only one.
+
+    Raises RunFolderError if two have the same name.
+    """
+    from drakearm.experiments import RunFolder, load_scenario
+
+    runs: dict[str, tuple[RunFolder, str]] = {}
+    for scenario in (several := dict.fromkeys(scenarios)):  # each once
+        name = load_scenario(scenario).name
+        if name in runs:
+            raise RunFolderError(f"{runs[name][1]} and {scenario} are both named {name}: expected different names.")
+        folder = out if out and len(several) == 1 else (out or Path("runs")) / name
+        runs[name] = (RunFolder(folder), scenario)
+    return runs
+
+
 def say_removed(files: list[Path]) -> None:
     """Says which files of later steps were removed, because they were made from a file that has been replaced."""
     if files:
-        say(f"removed what was made from the earlier files: {', '.join(file.name for file in files)}")
+        say(f"removed what was made from the earlier files: {', '.join(dict.fromkeys(file.name for file in files))}")

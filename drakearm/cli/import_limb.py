@@ -75,7 +75,7 @@ def import_limb(
 
     `drakearm import arm26.osim`, then `drakearm inspect arm26`.
     """
-    from drakearm.figures import import_table
+    from drakearm.figures.import_table import import_table
     from drakearm.importing import import_limb, limb_name, what_to_know, write_limb
 
     bodies = [name for text in only or () for name in text.split(",") if name]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from drakearm.errors import shown
-from drakearm.experiments.choices import EnvKind
+from drakearm.experiments.choices import EnvKind, Preset
 
 _LARGEST_SEED = 2**32 - 1  # that NumPy and PyTorch both take
 _MOST_BATCHES = 1_000_000
@@ -70,11 +70,30 @@ ScenarioArgument = Annotated[
         autocompletion=complete_scenario,
     ),
 ]
+ScenarioArguments = Annotated[
+    list[str],
+    typer.Argument(
+        help="Names from `drakearm list`, or paths of scenario files.",
+        metavar="SCENARIO...",
+        parser=name_or_path,
+        autocompletion=complete_scenario,
+    ),
+]
 Out = Annotated[
     Path | None,
     typer.Option(
         "--out",
         help="Folder of the run. [default: runs/SCENARIO]",
+        metavar="FOLDER",
+        parser=path,
+        show_default=False,
+    ),
+]
+OutOfAll = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        help="Folder of the run; if there are several scenarios, the folder that holds all runs. [default: runs]",
         metavar="FOLDER",
         parser=path,
         show_default=False,
@@ -99,6 +118,14 @@ Batches = Annotated[
 ]
 Env = Annotated[
     EnvKind, typer.Option(help="Train on compiled arms, or on Drake Diagrams: the same arm, but slower to simulate.")
+]
+PresetName = Annotated[
+    Preset | None,
+    typer.Option(
+        "--preset",
+        help="`paper` learns as the paper does: 28 observations, from random weights. [default: the scenario's]",
+        show_default=False,
+    ),
 ]
 Device = Annotated[
     str | None,

@@ -1,17 +1,16 @@
 """`drakearm plan`."""
 
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drakearm.cli.console import console, say
-from drakearm.cli.folders import run_folder, say_removed
-from drakearm.cli.options import Import, Overwrite, complete_scenario, duration, name_or_path, path
+from drakearm.cli.folders import folders_of, run_folder, say_removed
+from drakearm.cli.options import Import, OutOfAll, Overwrite, complete_scenario, duration, name_or_path
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.progress import show_progress
-from drakearm.errors import DrakearmError, RunFolderError
+from drakearm.errors import DrakearmError
 
 if TYPE_CHECKING:
     from drakearm.experiments import RunFolder
@@ -28,16 +27,7 @@ def plan(
             autocompletion=complete_scenario,
         ),
     ],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            help="Folder of the run; if there are several scenarios, the folder that holds all runs. [default: runs]",
-            metavar="FOLDER",
-            parser=path,
-            show_default=False,
-        ),
-    ] = None,
+    out: OutOfAll = None,
     horizon: Annotated[
         float | None,
         typer.Option(
@@ -73,7 +63,7 @@ def plan(
             say_removed(outdated)
             say(f"open {run.path('plan_picture')} for the movement and its limits")
         return
-    runs = _folders(several, out or Path("runs"))
+    runs = folders_of(several, out)
     with ExitStack() as locks:
         for run, _ in runs.values():
             locks.enter_context(run.locked())
@@ -83,19 +73,6 @@ def plan(
     say(f"open {out or 'runs'}/SCENARIO/{RunFolder.FILES['plan_picture']} for a movement and its limits")
     if any(isinstance(result, DrakearmError) for result in results.values()):
         raise typer.Exit(1)
-
-
-def _folders(scenarios: list[str], out: Path) -> "dict[str, tuple[RunFolder, str]]":
-    """A folder for each scenario, by the scenario's name. Raises RunFolderError if two have the same name."""
-    from drakearm.experiments import RunFolder, load_scenario
-
-    runs: dict[str, tuple[RunFolder, str]] = {}
-    for scenario in scenarios:
-        name = load_scenario(scenario).name
-        if name in runs:
-            raise RunFolderError(f"{runs[name][1]} and {scenario} are both named {name}: expected different names.")
-        runs[name] = (RunFolder(out / name), scenario)
-    return runs
 
 
 def _plan_several(

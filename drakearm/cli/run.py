@@ -1,16 +1,12 @@
 """`drakearm run`."""
 
-from typing import Annotated
-
-import typer
-
 from drakearm.cli.console import say
 from drakearm.cli.evaluate import show_metrics
 from drakearm.cli.folders import run_folder
-from drakearm.cli.options import Batches, Env, Import, Out, Overwrite, ScenarioArgument, Seed
+from drakearm.cli.options import Batches, Env, Import, Out, Overwrite, PresetName, ScenarioArgument, Seed
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.train import train_run
-from drakearm.experiments.choices import EnvKind, Preset
+from drakearm.experiments.choices import EnvKind
 
 
 def run(
@@ -19,13 +15,7 @@ def run(
     out: Out = None,
     batches: Batches = None,
     env: Env = EnvKind.compiled,
-    preset: Annotated[
-        Preset | None,
-        typer.Option(
-            help="`paper` learns as the paper does: 28 observations, from random weights. [default: the scenario's]",
-            show_default=False,
-        ),
-    ] = None,
+    preset: PresetName = None,
     overwrite: Overwrite = False,
     imports: Import = None,
 ) -> None:
@@ -47,7 +37,7 @@ def run(
             report = plan_step(folder, scenario, preset=preset)
             say(f"planned with {report.plan.solver} in {report.plan.seconds:.2f} s: {report.plan.status}")
             say(report.feasibility.verdict)
-        train_run(folder, seed, batches, env, resume=not overwrite)
+        train_run([folder], seed, batches, env, resume=not overwrite)
         metrics = evaluate_step(folder)
         replay = replay_step(folder)
         show_metrics(folder, metrics)

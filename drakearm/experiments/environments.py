@@ -7,14 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
+from gymnasium.vector import AutoresetMode, VectorEnv
 from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.systems.framework import Context
 
 from drakearm.diagrams import MakeTrackingTask
+from drakearm.errors import TrainingError
 from drakearm.experiments.choices import EnvKind
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv, DiagramEnv
+from drakearm.learning.process_vector_env import ProcessVectorEnv
 from drakearm.model.reference import CONTROL_STEP, Reference
 from drakearm.planning import plan
 from drakearm.task import TrackingTask, check_interchangeable
@@ -155,15 +157,13 @@ def _picture_of(task: TrackingTask) -> Callable[[dict[str, Any]], np.ndarray]:
     return picture
 
 
-def make_training_envs(task: TrackingTask, count: int, kind: EnvKind) -> VectorEnv:
-    """A vector environment with `count` environments of a task."""
+def make_training_envs(tasks: Sequence[TrackingTask], count: int, kind: EnvKind) -> VectorEnv:
+    """A vector environment with `count` environments, to which the tasks are assigned round-robin.
+
+    Those of Diagrams are shared among the cores. Raises TrainingError if there are more tasks than environments.
+    """
     if kind is EnvKind.compiled:
-        return ArmVectorEnv(task, count)
-    warm_up = make_task_env(task)  # compiles the muscles once, before the processes fork
-    warm_up.reset()
-    warm_up.step(warm_up.action_space.sample())
-    return AsyncVectorEnv(
-        [partial(make_task_env, task)] * count,
-        context="fork",
-        autoreset_mode=AutoresetMode.SAME_STEP,
-    )
+        return ArmVectorEnv(tasks, count)
+    if len(tasks) > count:
+        raise TrainingError(f"There are {len(tasks)} tasks for {count} Diagrams: expected at least one for each task.")
+    return ProcessVectorEnv([partial(make_task_env, tasks[i % len(tasks)]) for i in range(count)])

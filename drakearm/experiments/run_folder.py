@@ -160,9 +160,9 @@ class RunFolder:
         """The content of a JSON file. Raises RunFolderError as `existing` does, and if it is damaged."""
         return read_json(self.existing(name, command), RunFolderError)
 
-    def scenario(self) -> Scenario:
-        """The scenario of this run."""
-        return load_scenario(self.existing("scenario", "plan"))
+    def scenario(self, preset: Preset | None = None) -> Scenario:
+        """The scenario of this run. preset: replaces the one in the file."""
+        return load_scenario(self.existing("scenario", "plan"), preset)
 
     def task(self, scenario: Scenario) -> TrackingTask:
         """The task of this run: to follow its plan. scenario: that of this run."""
@@ -240,6 +240,15 @@ class NewFiles:
             fields["arm"] = _file_name("arm")
         self.path("scenario").write_text(yaml.safe_dump(fields, sort_keys=False), encoding="utf-8")
 
+    def keep_preset(self, preset: Preset) -> None:
+        """Writes another preset into the run's scenario. The plan stays, because it does not depend on the preset."""
+        scenario, plan = _file_name("scenario"), read_json(self._run.path("plan"), RunFolderError)
+        fields = _fields(self._run.path("scenario"), preset)
+        self.path("scenario").write_text(yaml.safe_dump(fields, sort_keys=False), encoding="utf-8")
+        for found in (plan[KEY]["made_from"], plan[KEY]["files"]):
+            found[scenario] = fingerprint(self.path("scenario"))
+        self._write_json("plan", plan)
+
     def made_from(self) -> dict[str, str]:
         """The fingerprints of the step's inputs; empty for one that is missing because the step did without it."""
         found = {}
@@ -257,8 +266,10 @@ class NewFiles:
         files = {_file_name(name): fingerprint(self.path(name)) for name in others}
         files[_file_name(step.record)] = content_fingerprint(content)
         provenance = asdict(Provenance(made_from=self.made_from(), files=files))
-        text = json.dumps({FORMAT: NEWEST, **content, KEY: provenance}, indent=2, allow_nan=False)
-        self.path(step.record).write_text(text + "\n", encoding="utf-8")
+        self._write_json(step.record, {FORMAT: NEWEST, **content, KEY: provenance})
+
+    def _write_json(self, name: str, content: Mapping[str, Any]) -> None:
+        self.path(name).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _file_name(name: str) -> str:

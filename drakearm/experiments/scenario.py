@@ -102,9 +102,13 @@ class Scenario:
         return task
 
 
-def load_scenario(scenario: str | Path) -> Scenario:
-    """Loads a shipped scenario by its name, or a file. Raises ScenarioError, which names file and field, if invalid."""
+def load_scenario(scenario: str | Path, preset: Preset | None = None) -> Scenario:
+    """Loads a shipped scenario by its name, or a file. preset: replaces the one in the file.
+
+    Raises ScenarioError, which names file and field, if invalid.
+    """
     loaded = read_file(find_scenario(scenario), Scenario)
+    loaded = replace(loaded, preset=preset or loaded.preset)
     if loaded.preset is Preset.paper:
         return replace(loaded, training=PAPER, tracking=replace(loaded.tracking, observation="paper"))
     return loaded

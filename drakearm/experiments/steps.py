@@ -4,6 +4,7 @@ import json
 import shutil
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from drakearm.experiments.environments import make_training_envs
 from drakearm.experiments.metrics import evaluation_metrics, run_policy, run_policy_stochastic, versions
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.experiments.scenario import load_scenario
+from drakearm.experiments.sharing import record_of, shared_settings, shared_tasks
 from drakearm.figures import Movement, write_movement_picture, write_plan_picture
 from drakearm.learning import BatchReport, Policy, PpoSettings, prepare, train
 from drakearm.model.loader import arm_folder
@@ -60,11 +62,12 @@ def plan_step(
 
 
 def train_step(
-    run: RunFolder,
+    run: RunFolder | Sequence[RunFolder],
     *,
     seed: int,
     batches: int | None = None,
     env: EnvKind = EnvKind.compiled,
+    preset: Preset | None = None,
     resume: bool = False,
     device: str | None = None,
     on_round: Callable[[int, int], None] | None = None,
@@ -72,26 +75,43 @@ def train_step(
 ) -> Policy:
     """Trains a policy whose excitations make the muscles follow the run's reference.
 
-    batches: replaces the number in the scenario. resume: whether to continue a training that was stopped, which then
-    ends with the same policy as if it had not been. If there is none, the training begins; if it is finished, its
-    policy is returned. Raises RunFolderError if it had another seed, other settings or environments. device: of
-    PyTorch, see `train`. on_round: called after each round of imitation with its number, from 1, and the number of
-    rounds. on_batch: called after each batch, when the current policy and training.json are already in the run folder.
-    So a training that is interrupted can be evaluated too. Until the first batch is done, the files of an earlier
-    training stay.
+    If there are several runs, one policy learns to follow all of their references, and each run gets it. The same runs
+    in the same order, with the same seed, give the same policy. Raises TaskError or TrainingError, with the names of
+    two scenarios, if they differ in arm, senses, reward or training settings.
+
+    batches: replaces the number in the scenario. preset: replaces the one in the run's scenario. resume: whether to
+    continue a training that was stopped, which then ends with the same policy as if it had not been. If there is none,
+    the training begins; if it is finished, its policy is returned. Raises RunFolderError if it had another preset or
+    seed, other settings or environments. device: of PyTorch, see `train`. on_round: called after each round of
+    imitation with its number, from 1, and the number of rounds. on_batch: called after each batch, when the current
+    policy and training.json are already in the run folder. So a training that is interrupted can be evaluated too.
+    Until the first batch is done, the files of an earlier training stay.
     """
-    with run.locked(), run.scratch() as work:
-        scenario = run.scenario()
-        settings = with_batches(scenario.training, batches)
-        task = run.task(scenario)
-        arm = arm_folder(scenario.arm)
-        setup = {"seed": seed, "env": env.value, "settings": asdict(settings)}
-        earlier = _earlier_training(run, setup) if resume else None
-        if earlier and earlier["finished"]:
-            return Policy.load(run.existing("policy", "train"))
+    runs = [run] if isinstance(run, RunFolder) else list(run)
+    if not runs:
+        raise TrainingError("There is no run to train in: expected at least one.")
+    first = runs[0]
+    with ExitStack() as stack:
+        for each in runs:
+            stack.enter_context(each.locked())
+        work = stack.enter_context(first.scratch())
+        scenarios = [each.scenario(preset) for each in runs]
+        tasks = shared_tasks(runs, scenarios)
+        settings = shared_settings(scenarios, [with_batches(each.training, batches) for each in scenarios])
+        setup = {
+            "preset": scenarios[0].preset.value,
+            "scenarios": record_of(runs),
+            "seed": seed,
+            "env": env.value,
+            "settings": asdict(settings),
+        }
+        found = [_earlier_training(each, setup) if resume else None for each in runs]
+        if all(training and training["finished"] for training in found):
+            return Policy.load(first.existing("policy", "train"))
+        earlier = found[0] if found[0] and not found[0]["finished"] else None
         if earlier:
-            shutil.copy(run.existing("checkpoint", "train --overwrite"), work)
-            shutil.copy(run.existing("training_log", "train --overwrite"), work)
+            shutil.copy(first.existing("checkpoint", "train --overwrite"), work)
+            shutil.copy(first.existing("training_log", "train --overwrite"), work)
         start = time.perf_counter() - (earlier["seconds"] if earlier else 0.0)
 
         def show_round(number: int) -> None:
@@ -99,28 +119,38 @@ def train_step(
                 on_round(number, settings.imitation_rounds)
 
         def keep(report: BatchReport) -> None:
-            """Puts the policy, the log and the progress of the training into the run folder, all together."""
+            """Puts the policy, the log and the progress of the training into each run folder, all together.
+
+            Only the first run has the checkpoint. It is the last to be written: so the others are never behind it.
+            """
             progress = {"steps": report.steps, "seconds": time.perf_counter() - start}
             finished = report.batch == report.batches
-            with run.replacing("train", arm) as new:
-                for name in ("policy", "training_log", *(["checkpoint"] if not finished else [])):
-                    shutil.copyfile(work / new.path(name).name, new.path(name))
-                new.write_record(setup | {"finished": finished} | progress)
+            for each, scenario in reversed(list(zip(runs, scenarios, strict=True))):
+                with each.replacing("train", arm_folder(scenario.arm)) as new:
+                    if preset:
+                        new.keep_preset(preset)
+                    for name in ("policy", "training_log", *(["checkpoint"] if each is first and not finished else [])):
+                        shutil.copyfile(work / new.path(name).name, new.path(name))
+                    new.write_record(setup | {"finished": finished} | progress)
             if on_batch:
                 on_batch(report)
 
-        envs = make_training_envs(task, settings.environments, env)
+        envs = make_training_envs(tasks, settings.environments, env)
         try:
             return train(
                 envs,
                 settings,
                 seed=seed,
-                metadata={"scenario": scenario.name, "seed": seed, "versions": versions()},
-                prepare=lambda actor: prepare(actor, [task], settings, seed, show_round),
+                metadata={
+                    "scenario": ", ".join(scenario.name for scenario in scenarios),
+                    "seed": seed,
+                    "versions": versions(),
+                },
+                prepare=lambda actor: prepare(actor, tasks, settings, seed, show_round),
                 device=device,
-                log_path=work / run.path("training_log").name,
-                checkpoint_path=work / run.path("policy").name,
-                resume_path=work / run.path("checkpoint").name,
+                log_path=work / first.path("training_log").name,
+                checkpoint_path=work / first.path("policy").name,
+                resume_path=work / first.path("checkpoint").name,
                 on_batch=keep,
             )
         finally:
@@ -203,11 +233,14 @@ def _earlier_training(run: RunFolder, setup: dict[str, Any]) -> dict[str, Any] |
     if not run.path("training").exists():
         return None
     run.existing("policy", "train")
-    training = run.read_json("training", "train")
+    older = {"preset": run.scenario().preset.value, "scenarios": record_of([run])}  # what older records do not say
+    training = older | run.read_json("training", "train")
     for name, value in json.loads(json.dumps(setup)).items():
         if training[name] != value:
+            names = ", ".join(scenario["name"] for scenario in training["scenarios"])
+            other = f"list of plans ({names})" if name == "scenarios" else name
             raise RunFolderError(
-                f"{shown(run.folder)} holds a training with another {name}, so it cannot be continued: "
+                f"{shown(run.folder)} holds a training with another {other}, so it cannot be continued: "
                 "expected the same, or --overwrite."
             )
     return training

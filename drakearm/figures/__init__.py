@@ -2,13 +2,12 @@
 
 from drakearm.figures.arm_picture import draw_arm, write_arm_picture
 from drakearm.figures.arm_table import muscle_table
-from drakearm.figures.import_table import import_table
 from drakearm.figures.labelled_lines import draw_labelled_lines
 from drakearm.figures.movement_picture import Movement, draw_movement, write_movement_picture
 from drakearm.figures.perturbed_table import perturbed_table
 from drakearm.figures.plan_picture import draw_plan, write_plan_picture
 from drakearm.figures.plan_table import plan_facts, plans_table
-from drakearm.figures.policy_table import metrics_table
+from drakearm.figures.policy_table import evaluations_table, metrics_table
 from drakearm.figures.side_view import SideView
 
 __all__ = [
@@ -18,7 +17,7 @@ __all__ = [
     "draw_labelled_lines",
     "draw_movement",
     "draw_plan",
-    "import_table",
+    "evaluations_table",
     "metrics_table",
     "muscle_table",
     "perturbed_table",

@@ -17,6 +17,12 @@ _PER_RUN = {
     "squared_activation": "squared activations (s)",
     "metabolic_energy": "metabolic energy (J)",
 }
+_ERRORS = {
+    "tracking_error_mean": "mean error (rad)",
+    "tracking_error_max": "largest error (rad)",
+    "end_error": "end error (rad)",
+}
+_HAND = "hand_end_error_cm"
 _CLEARANCE = "_clearance_cm"  # the end of the keys that belong to the parts of the arm
 
 
@@ -39,6 +45,20 @@ def metrics_table(metrics: Mapping[str, Any], plan: Mapping[str, Any]) -> Table:
         table.add_row(Text(name), _number(value), spread)
     for name, share in metrics["success_rate"].items():
         table.add_row(Text(f"success: {name}"), "yes" if success[name] else "no", f"{share:.0%}")
+    return table
+
+
+def evaluations_table(evaluations: Sequence[Mapping[str, Any]]) -> Table:
+    """One row for each metrics.json: the errors of its run without noise, and the successes of all of its runs."""
+    table = Table(caption=Text("errors without noise, of the joint with the larger one"), caption_justify="left")
+    for heading in ("scenario", *_ERRORS.values(), _PER_RUN[_HAND], "success", "with noise"):
+        table.add_column(heading, justify="left" if heading == "scenario" else "right")
+    for metrics in evaluations:
+        run, noisy = metrics["noise_free"], metrics["noisy"]["success"]
+        errors = [*(max(run[key]) for key in _ERRORS), run[_HAND]]
+        reached = "yes" if all(run["success"].values()) else "no"
+        share = sum(all(success.values()) for success in noisy) / len(noisy)
+        table.add_row(Text(metrics["scenario"]), *map(_number, errors), reached, f"{share:.0%}")
     return table
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NoReturn
 
 import gymnasium
 import numpy as np
@@ -40,6 +40,8 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     whole number of control steps; the episode is then shorter. The Diagram is built once and only its context is reset,
     because every new Diagram leaks memory. render: makes the picture (height, width, 3), uint8, of an info, for the
     render mode "rgb_array". With the render mode "human" the Diagram draws itself, and the simulation keeps real time.
+
+    It cannot be pickled or copied, because a Diagram cannot. Other processes get a function that makes it.
     """
 
     metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 100}  # noqa: RUF012 (Gymnasium's own declaration)
@@ -125,6 +127,12 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         if self.render_mode != "rgb_array" or self._render is None:
             return None
         return self._render({name: port.Eval(self._context) for name, port in self._info.items()})
+
+    def __reduce__(self) -> NoReturn:
+        raise TrainingError(
+            "A DiagramEnv cannot be pickled or copied, because a Drake Diagram cannot: "
+            'expected a function that makes it, for example functools.partial(make_env, "reach-000").'
+        )
 
     def _length(self) -> int:
         """Of an episode, in control steps from time 0."""

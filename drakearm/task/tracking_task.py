@@ -91,12 +91,13 @@ class TrackingTask:
         self.reward.check(self.arm)
 
 
-def check_interchangeable(tasks: Sequence[TrackingTask]) -> None:
+def check_interchangeable(tasks: Sequence[TrackingTask], names: Sequence[str] = ()) -> None:
     """Raises TaskError, which names what differs, unless all tasks can be carried out in one environment.
 
-    They may differ in the reference, the load, the start and the randomization.
+    They may differ in the reference, the load, the start and the randomization. names: of the tasks, for the message.
     """
+    named = names or ["task 0", *(f"Task {i}" for i in range(1, len(tasks)))]
     for i, task in enumerate(tasks):
         for name in ("arm", "senses", "lookahead", "reward"):
             if getattr(task, name) != getattr(tasks[0], name):
-                raise TaskError(f"Task {i} differs from task 0 in its {name}: expected the same in all tasks.")
+                raise TaskError(f"{named[i]} differs from {named[0]} in its {name}: expected the same in all tasks.")

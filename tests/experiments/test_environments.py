@@ -6,14 +6,18 @@ import sys
 import warnings
 from collections import defaultdict
 from dataclasses import replace
+from functools import partial
 
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
+from stable_baselines3.common.vec_env import SubprocVecEnv
 
 from drakearm.errors import ScenarioError
 from drakearm.experiments import scenario_files
-from drakearm.experiments.environments import make_env
+from drakearm.experiments.choices import EnvKind
+from drakearm.experiments.environments import make_env, make_task_env, make_training_envs
 from drakearm.experiments.scenario import load_scenario
 from drakearm.learning import ArmVectorEnv
 from drakearm.task import OBSERVATIONS
@@ -70,7 +74,46 @@ def test_make_vec_mixes_scenarios_by_name_and_file():
 
 def test_make_vec_can_still_make_diagrams():
     envs = make_vec(num_envs=2, scenario="timing-0.7s", vectorization_mode="sync")
-    assert isinstance(envs, gymnasium.vector.SyncVectorEnv)
+    assert isinstance(envs, SyncVectorEnv)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("processes", ["Gymnasium", "Stable-Baselines3"])
+def test_new_processes_make_the_same_environments(reference, processes):
+    """They share nothing with this one (spawn): what makes an environment is pickled, not the environment."""
+    factories = [partial(make_env, "timing-0.7s", reference)] * 2
+    action = np.random.default_rng(0).random((2, 14)).astype(np.float32)
+    here = SyncVectorEnv(factories)
+    first, _ = here.reset(seed=3)
+    second, reward, *_ = here.step(action)
+    if processes == "Gymnasium":
+        there = AsyncVectorEnv(factories, context="spawn")
+        found_first, _ = there.reset(seed=3)
+        found_second, found_reward, *_ = there.step(action)
+    else:
+        there = SubprocVecEnv(factories, start_method="spawn")
+        there.seed(3)
+        found_first = there.reset()
+        found_second, found_reward, *_ = there.step(action)
+    there.close()
+    np.testing.assert_array_equal(found_first, first)
+    np.testing.assert_array_equal(found_second, second)
+    np.testing.assert_allclose(found_reward, reward, rtol=1e-15)
+
+
+def test_environments_for_training_step_diagrams_in_processes(task):
+    ours = make_training_envs([task], 3, EnvKind.diagram)
+    theirs = SyncVectorEnv([partial(make_task_env, task)] * 3, autoreset_mode=AutoresetMode.SAME_STEP)
+    np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
+    rng = np.random.default_rng(0)
+    for _ in range(len(task.reference.t) + 3):
+        action = rng.random((3, 14)).astype(np.float32)
+        found, expected = ours.step(action), theirs.step(action)
+        for i in range(4):
+            np.testing.assert_array_equal(found[i], expected[i])
+    for name in ("arm_state", "tracking_error", "activation"):
+        np.testing.assert_array_equal(found[4][name], expected[4][name])
+    ours.close()
 
 
 def test_an_unknown_scenario_among_several_is_named():

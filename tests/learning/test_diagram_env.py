@@ -1,16 +1,20 @@
 """DiagramEnv: Gymnasium's contract, repeatable seeds, clear errors, and the same arm as in the closed loop."""
 
+import copy
+import pickle
 from dataclasses import replace
 
+import cloudpickle
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from gymnasium.wrappers import RecordEpisodeStatistics
 from pydrake.systems.framework import DiagramBuilder, EventStatus, LeafSystem
 from pydrake.systems.primitives import Integrator
 
 from drakearm.diagrams import MakePolicyLoop, MakeTrackingTask
-from drakearm.errors import ActionError
+from drakearm.errors import ActionError, TrainingError
 from drakearm.experiments import make_task_env
 from drakearm.learning import DiagramEnv
 from drakearm.model.reference import CONTROL_STEP, Reference
@@ -73,6 +77,14 @@ def test_an_unusable_action_is_refused_and_the_episode_continues(env, action):
     with pytest.raises(ActionError, match=r"step 1 .*14 finite"):
         env.step(action)
     assert np.isfinite(env.step(np.zeros(14))[0]).all()
+
+
+@pytest.mark.parametrize("duplicate", [pickle.dumps, cloudpickle.dumps, copy.deepcopy])
+def test_that_it_cannot_be_pickled_is_said_with_what_to_do_instead(env, duplicate):
+    with pytest.raises(TrainingError, match=r"cannot be pickled.*partial\(make_env"):
+        duplicate(env)
+    with pytest.raises(TrainingError, match="cannot be pickled"):
+        duplicate(RecordEpisodeStatistics(env))
 
 
 def test_actions_are_excitations(env):
