@@ -11,20 +11,23 @@ from drakearm.files.writing import storage
 
 @dataclass(frozen=True)
 class BatchReport:
-    """The progress of a training after a batch: one row of the log."""
+    """The progress of a training after a batch: one row of the log.
+
+    Rewards, errors and losses are those with exploration, so the policy without noise is better.
+    """
 
     batch: int  # from 1
     batches: int
     steps: int  # transitions so far, over all environments
     steps_per_second: float  # in this batch, updates included
     seconds_left: float  # if the remaining batches take as long as those so far
-    mean_reward: float  # mean return of the episodes that ended in this batch; nan if none did
-    tracking_error: float  # mean absolute error, rad; nan if `info` has no tracking_error
+    mean_reward: float  # per episode: the mean sum of rewards of those that ended in this batch; nan if none did
+    tracking_error: float  # rad, the mean of absolute errors over joints, steps and arms; nan if `info` has none
     approx_kl: float  # nats, between the policy that collected the batch and the updated one
     clip_fraction: float  # share of transitions whose probability ratio is outside the clip range
     explained_variance: float  # of the returns, by the critic: 1 is perfect, 0 no better than their mean
-    policy_loss: float
-    value_loss: float
+    policy_loss: float  # mean of the actor's loss over all minibatches, see `ActorLearner`
+    value_loss: float  # mean squared error of the critic, in the unit of returns squared
     entropy: float  # nats
     std: float  # of the actions, mean over their elements
 

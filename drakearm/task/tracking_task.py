@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from drakearm.errors import TaskError
+from drakearm.errors import TaskError, shown
 from drakearm.model.arm import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
@@ -43,16 +44,41 @@ class TrackingTask:
         return Observation(self.arm, self.senses, self.lookahead)
 
     def episode(self, rng: np.random.Generator | None) -> Episode:
-        """How an episode starts, and what differs in it. rng: source of all that is random; None: nothing is."""
-        episode = Episode(self.start(self.reference, rng), self.load_mass, senses_delay=self.senses_delay)
+        """How an episode starts, and what differs in it. rng: source of all that is random; None: nothing is.
+
+        Raises TaskError if the start or a randomization makes an episode that is not possible.
+        """
+        episodes = [Episode(self.start(self.reference, rng), self.load_mass, senses_delay=self.senses_delay)]
         if rng is not None:
             for randomization in self.randomization:
-                episode = randomization(episode, rng)
-        return episode
+                episode: Any = randomization(episodes[-1], rng)
+                if not isinstance(episode, Episode):
+                    name = type(randomization).__name__
+                    raise TaskError(f"The randomization {name} drew {shown(episode)}: expected an Episode.")
+                episodes.append(episode)
+        if self._problem(episodes[-1]):
+            self._refuse(episodes)
+        return episodes[-1]
+
+    def _problem(self, episode: Episode) -> str | None:
+        return episode.problem(len(self.arm.muscles), len(self.reference.t) - 1)
+
+    def _refuse(self, episodes: Sequence[Episode]) -> None:
+        """Raises TaskError, which names what drew an episode that is not possible. The first one has nothing random."""
+        names = ["task has", *(f"randomization {type(each).__name__} drew" for each in self.randomization)]
+        for name, episode in zip(names, episodes, strict=False):
+            problem = self._problem(episode)
+            if problem:
+                raise TaskError(f"The {name} {problem}.")
 
     def __post_init__(self) -> None:
         self.reference.check(self.arm)
-        _ = self.episode(None).delay_steps
+        if not (
+            isinstance(self.randomization, tuple | list)
+            and all(isinstance(each, Randomization) for each in self.randomization)
+        ):
+            raise TaskError(f"The randomization is {shown(self.randomization)}: expected a tuple of Randomizations.")
+        self.episode(None)
         check_signals(f"The reward {type(self.reward).__name__}", self.reward.reads)
         self.reward.check(self.arm)
 
