@@ -3,16 +3,16 @@
 from typing import Annotated
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
-from drakearm.files.fields import STRICT, Finite, Fraction, Positive, Whole
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Finite, Fraction, Positive, Whole
 from drakearm.learning.policy_file import Layers
 
 _MOST_TRANSITIONS = 500_000  # per batch: more could exhaust the memory
 _Std = Annotated[Positive, Field(ge=1e-6, le=1e6)]
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class PpoSettings:
     """How to train. The defaults start from imitation. `PAPER`, as in the paper, starts from random weights."""
 

@@ -8,10 +8,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, InstanceOf
-from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TaskError
-from drakearm.files.fields import STRICT, NonNegative, Positive
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import NonNegative, Positive
 from drakearm.files.kinds import Kind
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.task.starts import StartState
@@ -69,7 +69,7 @@ def _in_order(least: float, most: float) -> None:
         raise ValueError(f"found the range {least:g} to {most:g}, expected the smaller number first")
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomLoad(Randomization):
     """The mass in the hand, with equal chances for all masses of a range. It replaces the load of the task."""
 
@@ -84,7 +84,7 @@ class RandomLoad(Randomization):
         return episode._replace(load_mass=float(rng.uniform(self.least, self.most)))
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomStrength(Randomization):
     """One factor of the maximum isometric forces of all muscles, with equal chances for all factors of a range."""
 
@@ -99,7 +99,7 @@ class RandomStrength(Randomization):
         return episode._replace(strength=episode.strength * float(rng.uniform(self.least, self.most)))
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomStart(Randomization):
     """Offsets of the start, drawn for each joint: of its angle, and of its speed, with equal chances up to a limit."""
 
@@ -114,7 +114,7 @@ class RandomStart(Randomization):
         return episode._replace(start=start._replace(q=q, v=v))
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomDelay(Randomization):
     """The delay of the senses, with equal chances for all whole control steps of a range."""
 
@@ -130,7 +130,7 @@ class RandomDelay(Randomization):
         return episode._replace(senses_delay=int(steps) * CONTROL_STEP)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomMotorNoise(Randomization):
     """Noise on excitations that grows with them: signal-dependent noise (Harris and Wolpert 1998).
 
