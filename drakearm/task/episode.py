@@ -74,8 +74,8 @@ class RandomLoad(Randomization):
     """The mass in the hand, with equal chances for all masses of a range. It replaces the load of the task."""
 
     type = "load"
-    least: _Load  # kg
-    most: _Load  # kg
+    least: _Load  # kg, the smallest mass
+    most: _Load  # kg, the largest mass
 
     def __post_init__(self) -> None:
         _in_order(self.least, self.most)
@@ -89,8 +89,8 @@ class RandomStrength(Randomization):
     """One factor of the maximum isometric forces of all muscles, with equal chances for all factors of a range."""
 
     type = "strength"
-    least: _Strength
-    most: _Strength
+    least: _Strength  # the smallest factor; 1: the forces of the arm's file
+    most: _Strength  # the largest factor
 
     def __post_init__(self) -> None:
         _in_order(self.least, self.most)
@@ -104,7 +104,7 @@ class RandomStart(Randomization):
     """Offsets of the start, drawn for each joint: of its angle, and of its speed, with equal chances up to a limit."""
 
     type = "start"
-    angle_deg: Annotated[NonNegative, Field(le=90.0)] = 0.0  # the largest offset, in both directions
+    angle_deg: Annotated[NonNegative, Field(le=90.0)] = 0.0  # degrees, the largest offset, in both directions
     speed: Annotated[NonNegative, Field(le=100.0)] = 0.0  # rad/s, the largest offset, in both directions
 
     def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
@@ -119,8 +119,8 @@ class RandomDelay(Randomization):
     """The delay of the senses, with equal chances for all whole control steps of a range."""
 
     type = "senses_delay"
-    least: Delay  # s
-    most: Delay  # s
+    least: Delay  # s, the shortest delay, rounded to whole control steps of 0.01 s
+    most: Delay  # s, the longest delay, rounded in the same way
 
     def __post_init__(self) -> None:
         _in_order(self.least, self.most)
@@ -138,7 +138,7 @@ class RandomMotorNoise(Randomization):
     """
 
     type = "motor_noise"
-    share: Annotated[NonNegative, Field(le=10.0)]  # standard deviation of the noise over the excitation
+    share: Annotated[NonNegative, Field(le=10.0)]  # standard deviation of the noise over the excitation: 0.2 is 20 %
 
     def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
         return episode._replace(motor_noise=self.share, noise_seed=int(rng.integers(2**32)))
