@@ -3,6 +3,7 @@
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drakearm.task import TrackingTask, signal_size
+from drakearm.task.rewards import check_computed
 
 
 class TrackingReward(LeafSystem):
@@ -44,7 +45,8 @@ class TrackingReward(LeafSystem):
         self.DeclareVectorOutputPort("tracking_error", self._n_q, self._calc_error, of_error)
 
     def _calc_reward(self, context: Context, output: BasicVector) -> None:
-        output[0] = self._reward(*(self._signals[name].Eval(context) for name in self._reward.reads))
+        computed = self._reward(*(self._signals[name].Eval(context) for name in self._reward.reads))
+        output[0] = check_computed(self._reward, computed)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
         q, desired_q = (self._signals[name].Eval(context)[: self._n_q] for name in ("arm_state", "reference"))

@@ -84,14 +84,22 @@ def make_env(scenario: str | Path, reference: Reference | None = None, render_mo
     return make_task_env(scenario_task(scenario, reference), render_mode)
 
 
-def make_vector_env(scenario: str | Path | Sequence[str | Path], num_envs: int) -> ArmVectorEnv:
+def make_vector_env(
+    scenario: str | Path | Sequence[str | Path],
+    num_envs: int,
+    *,
+    autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
+    max_episode_steps: int | None = None,
+) -> ArmVectorEnv:
     """Environments of one scenario (name or file), or of several that are assigned round-robin.
 
     Each environment follows the plan of its scenario. `gymnasium.make_vec("drakearm/Track-v0", num_envs=...,
-    scenario=...)` makes them. Spaces and rewards are those of `make_env`.
+    scenario=...)` makes them. Spaces and rewards are those of `make_env`. autoreset_mode, max_episode_steps: see
+    `ArmVectorEnv`.
     """
     scenarios = [scenario] if isinstance(scenario, str | Path) else scenario
-    return ArmVectorEnv([scenario_task(one) for one in scenarios], num_envs)
+    tasks = [scenario_task(one) for one in scenarios]
+    return ArmVectorEnv(tasks, num_envs, autoreset_mode=autoreset_mode, max_episode_steps=max_episode_steps)
 
 
 def scenario_task(scenario: str | Path, reference: Reference | None = None) -> TrackingTask:

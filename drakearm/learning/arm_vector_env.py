@@ -9,16 +9,17 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from drakearm.diagrams.muscle_arm import TIME_STEP
-from drakearm.errors import ActionError, TrainingError
+from drakearm.errors import ActionError, TrainingError, shown
+from drakearm.learning.alike import check_alike, require_tasks
+from drakearm.learning.arm_rewards import ArmRewards
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.learning.generator_state import generator_state, restored_generator
 from drakearm.learning.past_signals import PastSignals
-from drakearm.model import Arm, MakeTorqueArm
 from drakearm.model.dynamics_table import DynamicsTable
 from drakearm.model.loaded_dynamics import LoadedDynamics
-from drakearm.model.musculature import resting_states, tendon_forces_of_arms
+from drakearm.model.musculature import require_state, resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
-from drakearm.task import Reward, TrackingTask, signal_size
+from drakearm.task import TrackingTask, signal_size
 from drakearm.task.episode import LONGEST_STEPS, Episode
 from drakearm.task.signals import OF_BODY, RECENT, REMEMBERED
 
@@ -31,22 +32,37 @@ class ArmVectorEnv(VectorEnv):
     i % len(tasks), with the reference, load, start, reward and randomization of this task. With redraw, each arm draws
     another one of the tasks at every reset, with equal chances.
 
-    Spaces, rewards and info are those of `DiagramEnv`. An environment is reset in the same step in which its episode
-    ends (AutoresetMode.SAME_STEP). This step returns the first observation of the next episode. The last observation of
-    the old episode is in `info["final_obs"]`, and the rest of info belongs to the last transition. Environment i is
-    seeded with `seed + i`.
+    Spaces, rewards and info are those of `DiagramEnv`. autoreset_mode: when an environment is reset after the end of
+    its episode. With AutoresetMode.SAME_STEP it is reset in the step that ends the episode. This step returns the first
+    observation of the next episode. The last observation of the old episode is in `info["final_obs"]`, and the rest of
+    info belongs to the last transition. With AutoresetMode.NEXT_STEP, which the vector wrappers of Gymnasium expect,
+    it is reset in the next step. This step ignores its action, and its reward is 0. max_episode_steps: episodes are
+    truncated after so many control steps, even if the reference goes on. Environment i is seeded with `seed + i`.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
-    def __init__(self, tasks: TrackingTask | Sequence[TrackingTask], num_envs: int, *, redraw: bool = False):
-        tasks = [tasks] if isinstance(tasks, TrackingTask) else list(tasks)
+    def __init__(
+        self,
+        tasks: TrackingTask | Sequence[TrackingTask],
+        num_envs: int,
+        *,
+        redraw: bool = False,
+        autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
+        max_episode_steps: int | None = None,
+    ):
+        tasks = require_tasks(tasks)
+        if autoreset_mode not in (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP):
+            raise TrainingError(f"The autoreset mode is {shown(autoreset_mode)}: expected SAME_STEP or NEXT_STEP.")
+        if max_episode_steps is not None and max_episode_steps < 1:
+            raise TrainingError(f"max_episode_steps is {shown(max_episode_steps)}: expected at least 1.")
+        self.metadata = self.metadata | {"autoreset_mode": autoreset_mode}
         if not tasks or not (redraw or len(tasks) <= num_envs):
             raise TrainingError(
                 f"There are {len(tasks)} tasks for {num_envs} arms: expected at least one arm for each task."
             )
         bodies = list(dict.fromkeys(task.arm for task in tasks))
-        self._lower, self._upper = _check_alike(tasks, bodies)
+        self._lower, self._upper = check_alike(tasks, bodies)
         arm = tasks[0].arm
         self._arm, self._observation = arm, tasks[0].observation
 
@@ -57,14 +73,16 @@ class ArmVectorEnv(VectorEnv):
         self._load_mass = np.array([tasks[k].load_mass for k in self.task_of_arm])
         self._arms = CompiledArms(arm, self.skeletons, num_envs, self._lower, self._upper)
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
-        self._distinct_rewards, self._reward_of_task = _distinct([task.reward for task in tasks])
+        self._rewards = ArmRewards([task.reward for task in tasks])
         # The samples of all references, one reference after the other. Task i has rows _first[i] to _last[i].
         self._reference = np.concatenate([task.reference.preview() for task in tasks])
         previews = [task.reference.preview(task.lookahead) for task in tasks]
         halves = np.hsplit(np.concatenate(previews), 2)
         self._preview_q, self._preview_v = (np.ascontiguousarray(half) for half in halves)
         self._first, self._last = sample_ranges(np.array([len(preview) for preview in previews]))
-        self._row = self._first[self.task_of_arm]
+        self._row, self._end = self._first[self.task_of_arm], self._last[self.task_of_arm]
+        self._longest = max_episode_steps or len(self._reference)
+        self._ended = np.zeros(num_envs, dtype=bool)  # the arms that the next step resets
 
         n, n_q = len(arm.muscles), len(arm.coordinates)
         self._n, self._n_q = n, n_q
@@ -89,8 +107,7 @@ class ArmVectorEnv(VectorEnv):
             "fiber_velocity": lambda: self._muscle_state[:, 3 * n :],
             "tendon_force": self._tendon_force,
         }
-        read = [*self._observation.reads, *(name for reward in self._distinct_rewards for name in reward.reads)]
-        self._accumulates = "accumulated_error" in read
+        self._accumulates = "accumulated_error" in (*self._observation.reads, *self._rewards.reads)
         late = any(task.senses_delay > 0.0 or task.randomization for task in tasks)
         sizes = {name: signal_size(name, arm, tasks[0].lookahead) for name in self._observation.reads}
         self._past = PastSignals(
@@ -105,14 +122,20 @@ class ArmVectorEnv(VectorEnv):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts an episode in every environment; see gymnasium.vector.VectorEnv.reset. There are no options."""
+        """Starts an episode in every environment; see gymnasium.vector.VectorEnv.reset.
+
+        options: may have a `reset_mask` (N,), bool. Then only the environments that it selects start an episode. Raises
+        TrainingError for another mask.
+        """
+        which = _reset_mask(options or {}, self.num_envs)
         if seed is not None:
             seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
             self._generators = [
-                generator if env_seed is None else np.random.default_rng(env_seed)
-                for generator, env_seed in zip(self._generators, seeds, strict=True)
+                np.random.default_rng(env_seed) if resets and env_seed is not None else generator
+                for generator, env_seed, resets in zip(self._generators, seeds, which, strict=True)
             ]
-        self._restart(np.ones(self.num_envs, dtype=bool))
+        self._restart(which)
+        self._ended = self._ended & ~which
         return self._observe(), self._info()
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
@@ -133,12 +156,17 @@ class ArmVectorEnv(VectorEnv):
         self._arm_state, self._muscle_state = self._arms.arm_state, self._arms.muscle_state
         self._recent = np.concatenate([values[:, None], self._recent[:, :-1]], axis=1)
         self._row += 1
+        resets = self._ended
+        if resets.any():
+            self._restart(resets)
         self._past.append(self._signals)
-        reward = self._reward()
-        truncated = self._row == self._last[self.task_of_arm]
+        reward = self._rewards(self._signals, self.task_of_arm)
+        truncated = self._row == self._end
         info = self._info()
         observation = self._observe()
-        if truncated.any():
+        if self.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP:
+            reward, self._ended = np.where(resets, 0.0, reward), truncated
+        elif truncated.any():
             info["final_obs"], info["_final_obs"] = observation, truncated
             self._restart(truncated)
             observation = self._observe()
@@ -146,14 +174,16 @@ class ArmVectorEnv(VectorEnv):
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that the next steps depend on, by name. To set it continues all episodes where they were."""
-        return {
+        """A copy of all that the next steps depend on, by name. To set it continues all episodes where they were."""
+        arrays = {
             "arm_state": self._arm_state,
             "muscle_state": self._muscle_state,
             "acceleration": self._acceleration,
             "accumulated_error": self._accumulated,
             "recent_excitation": self._recent,
             "row": self._row,
+            "end": self._end,
+            "ended": self._ended,
             "task_of_arm": self.task_of_arm,
             "load_mass": self._load_mass,
             "strength": self._strength,
@@ -163,6 +193,7 @@ class ArmVectorEnv(VectorEnv):
             **self._past.state,
             "generators": np.array([generator_state(generator) for generator in self._generators]),
         }
+        return {name: array.copy() for name, array in arrays.items()}
 
     @state.setter
     def state(self, arrays: dict[str, np.ndarray]) -> None:
@@ -171,6 +202,7 @@ class ArmVectorEnv(VectorEnv):
         self._acceleration, self._recent = arrays["acceleration"].copy(), arrays["recent_excitation"].copy()
         self._accumulated = arrays["accumulated_error"].copy()
         self._row, self.task_of_arm = arrays["row"].copy(), arrays["task_of_arm"].copy()
+        self._end, self._ended = arrays["end"].copy(), arrays["ended"].copy()
         self._load_mass, self._strength = arrays["load_mass"].copy(), arrays["strength"].copy()
         self._delay = arrays["delay"].copy()
         self._motor_noise, self._noise_seed = arrays["motor_noise"].copy(), arrays["noise_seed"].copy()
@@ -207,9 +239,11 @@ class ArmVectorEnv(VectorEnv):
             start = episode.start
             arm_state[i, :n_q], arm_state[i, n_q:], activation[i] = start.q, start.v, start.activation
             self._row[k] = self._first[task] + start.step
+            self._end[k] = min(self._last[task], self._row[k] + self._longest)
             self._load_mass[k], self._strength[k] = episode.load_mass, episode.strength
             self._delay[k] = episode.delay_steps
             self._draw_noise(k, episode)
+        require_state("joint speeds", arm_state[:, n_q:], (len(arms), n_q))
         q = arm_state[:, :n_q].clip(self._lower, self._upper)
         arm_state[:, :n_q] = q
         self._recent[which] = self._acceleration[which] = self._accumulated[which] = 0.0
@@ -229,16 +263,6 @@ class ArmVectorEnv(VectorEnv):
         present = {name: self._signals[name]() for name in self._observation.reads if name not in late}
         return self._observation(present | late).astype(np.float32)
 
-    def _reward(self) -> np.ndarray:
-        rewards, reward_of_arm = self._distinct_rewards, self._reward_of_task[self.task_of_arm]
-        if len(rewards) == 1:
-            return rewards[0](*(self._signals[name]() for name in rewards[0].reads))
-        total = np.empty(self.num_envs)
-        for k, reward in enumerate(rewards):
-            arms = np.flatnonzero(reward_of_arm == k)
-            total[arms] = reward(*(self._signals[name]()[arms] for name in reward.reads))
-        return total
-
     def _tendon_force(self) -> np.ndarray:
         fibers = np.ascontiguousarray(self._muscle_state[:, : 2 * self._n])
         force = tendon_forces_of_arms(fibers, self._arm_state, self._arm.muscle_table, self._arm.path_table)
@@ -254,41 +278,11 @@ class ArmVectorEnv(VectorEnv):
         return info | {f"_{name}": everywhere for name in info}
 
 
-def _distinct(rewards: list[Reward]) -> tuple[list[Reward], np.ndarray]:
-    """The distinct rewards among those of the tasks, and for each task the index of its reward."""
-    distinct: list[Reward] = []
-    for reward in rewards:
-        if reward not in distinct:
-            distinct.append(reward)
-    return distinct, np.array([distinct.index(reward) for reward in rewards])
-
-
-def _check_alike(tasks: list[TrackingTask], bodies: list[Arm]) -> tuple[np.ndarray, np.ndarray]:
-    """The joint ranges, (n_q,) each, rad.
-
-    Raises TrainingError, which names what differs, if the tasks cannot share one compiled function.
-    """
-    plants = {arm: MakeTorqueArm(arm) for arm in bodies}
-    ranges = {
-        arm: (list(plant.GetPositionLowerLimits()), list(plant.GetPositionUpperLimits()))
-        for arm, plant in plants.items()
-    }
-    alike = [
-        {
-            "muscles": task.arm.muscles,
-            "coordinates": task.arm.coordinates,
-            "senses": task.senses,
-            "lookahead": task.lookahead,
-            "joint ranges": ranges[task.arm],
-        }
-        for task in tasks
-    ]
-    for i, other in enumerate(alike):
-        different = [name for name in other if other[name] != alike[0][name]]
-        if different:
-            raise TrainingError(
-                f"Task {i} differs from task 0 in its {' and '.join(different)}: "
-                "expected the same in all tasks of one vector environment."
-            )
-    lower, upper = ranges[tasks[0].arm]
-    return np.array(lower), np.array(upper)
+def _reset_mask(options: dict[str, Any], num_envs: int) -> np.ndarray:
+    """Which environments a reset with these options starts, (N,), bool. Raises TrainingError for another mask."""
+    mask = options.get("reset_mask")
+    if mask is None:
+        return np.ones(num_envs, dtype=bool)
+    if not (isinstance(mask, np.ndarray) and mask.shape == (num_envs,) and mask.dtype == bool and mask.any()):
+        raise TrainingError(f"The reset_mask is {shown(mask)}: expected an array ({num_envs},) of bool, some true.")
+    return mask

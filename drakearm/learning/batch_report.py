@@ -18,13 +18,13 @@ class BatchReport:
     steps: int  # transitions so far, over all environments
     steps_per_second: float  # in this batch, updates included
     seconds_left: float  # if the remaining batches take as long as those so far
-    mean_reward: float  # per episode: mean sum of rewards, of the episodes that ended in this batch; nan if none did
-    tracking_error: float  # rad, mean of |desired q - q| over joints and steps; nan if `info` has no tracking_error
+    mean_reward: float  # per episode: the mean sum of rewards of those that ended in this batch; nan if none did
+    tracking_error: float  # rad, the mean of absolute errors over joints, steps and arms; nan if `info` has none
     approx_kl: float  # nats, between the policy that collected the batch and the updated one
     clip_fraction: float  # share of transitions whose probability ratio is outside the clip range
     explained_variance: float  # of the returns, by the critic: 1 is perfect, 0 no better than their mean
-    policy_loss: float  # minus the clipped objective, mean over all updates
-    value_loss: float  # mean squared error of the critic over all updates
+    policy_loss: float  # mean of the actor's loss over all minibatches, see `ActorLearner`
+    value_loss: float  # mean squared error of the critic, in the unit of returns squared
     entropy: float  # nats
     std: float  # standard deviation of the actions, in their unit, mean over their elements
 

@@ -15,7 +15,7 @@ from drakearm.errors import TrainingError, shown
 from drakearm.files import replacement
 
 FORMAT = "drakearm-checkpoint"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @dataclass

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
 from drakearm.errors import TrainingError
@@ -28,6 +29,8 @@ class Sb3VecEnv(VecEnv):
     """
 
     def __init__(self, envs: ArmVectorEnv):
+        if envs.metadata["autoreset_mode"] is not AutoresetMode.SAME_STEP:
+            raise TrainingError("Stable-Baselines3 needs an ArmVectorEnv with the autoreset mode SAME_STEP.")
         if torch.get_num_threads() > 1:
             logging.getLogger("drakearm").warning(
                 "PyTorch uses %d threads, which makes training with small networks slow. "

@@ -4,12 +4,12 @@ To make a randomization of your own, derive a frozen dataclass from `Randomizati
 `TrackingTask.randomization`. With a `type` of its own it can also stand in repertoire files.
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, InstanceOf
 
-from drakearm.errors import TaskError
+from drakearm.errors import TaskError, shown
 from drakearm.files.checked_dataclass import checked_dataclass
 from drakearm.files.fields import NonNegative, Positive
 from drakearm.files.kinds import Kind
@@ -18,8 +18,11 @@ from drakearm.task.starts import StartState
 
 LONGEST_STEPS = 20  # control steps
 LONGEST_DELAY = LONGEST_STEPS * CONTROL_STEP  # s, of the senses
-_Load = Annotated[NonNegative, Field(le=1000.0)]
-_Strength = Annotated[Positive, Field(ge=0.01, le=100.0)]
+LARGEST_LOAD = 1000.0  # kg
+STRENGTHS = (0.01, 100.0)  # the smallest and the largest factor of a force
+_LARGEST_NOISE = 10.0
+_Load = Annotated[NonNegative, Field(le=LARGEST_LOAD)]
+_Strength = Annotated[Positive, Field(ge=STRENGTHS[0], le=STRENGTHS[1])]
 Delay = Annotated[NonNegative, Field(le=LONGEST_DELAY)]
 
 
@@ -43,13 +46,51 @@ class Episode(NamedTuple):
     @property
     def delay_steps(self) -> int:
         """The delay in control steps. Raises TaskError if it is too long, or no whole number of them."""
-        steps = self.senses_delay / CONTROL_STEP
-        if not (0.0 <= self.senses_delay <= LONGEST_DELAY and abs(steps - round(steps)) < 1e-6):
-            raise TaskError(
-                f"The senses have a delay of {self.senses_delay:g} s: expected 0 to {LONGEST_DELAY} s, and a whole "
-                f"number of control steps of {CONTROL_STEP} s."
+        if not _is_delay(self.senses_delay):
+            raise TaskError(f"The senses have {_delay_problem(self.senses_delay)}.")
+        return round(self.senses_delay / CONTROL_STEP)
+
+    def problem(self, n: int, steps: int) -> str | None:
+        """What is not possible for n muscles and a reference of some steps: found, expected. None if nothing is."""
+        if not isinstance(self.start, StartState):
+            return f"the start {shown(self.start)}: expected a StartState"
+        if not (_is_number(self.start.step, 0, steps - 1) and self.start.step == int(self.start.step)):
+            return f"a start at step {shown(self.start.step)}: expected one of the steps 0 to {steps - 1}"
+        if not _is_number(self.load_mass, 0.0, LARGEST_LOAD):
+            return f"a load_mass of {shown(self.load_mass)}: expected 0 to {LARGEST_LOAD:g} kg"
+        if not (_is_number(self.strength, *STRENGTHS) or _are_numbers(self.strength, n, *STRENGTHS)):
+            return (
+                f"a strength of {shown(self.strength)}: expected one factor or {n}, one per muscle, from "
+                f"{STRENGTHS[0]:g} to {STRENGTHS[1]:g}"
             )
-        return round(steps)
+        if not _is_delay(self.senses_delay):
+            return _delay_problem(self.senses_delay)
+        if not _is_number(self.motor_noise, 0.0, _LARGEST_NOISE):
+            return f"a motor_noise of {shown(self.motor_noise)}: expected 0 to {_LARGEST_NOISE:g}"
+        if not (isinstance(self.noise_seed, int | np.integer) and 0 <= self.noise_seed < 2**63):
+            return f"a noise_seed of {shown(self.noise_seed)}: expected a whole number from 0 to 2**63 - 1"
+        return None
+
+
+def _is_number(value: Any, least: float, most: float) -> bool:
+    return isinstance(value, float | int | np.floating | np.integer) and bool(least <= value <= most)
+
+
+def _are_numbers(values: Any, n: int, least: float, most: float) -> bool:
+    found = np.asarray(values)
+    return found.shape in ((), (n,)) and found.dtype.kind in "fiu" and bool(((found >= least) & (found <= most)).all())
+
+
+def _is_delay(delay: Any) -> bool:
+    steps = delay / CONTROL_STEP if _is_number(delay, 0.0, LONGEST_DELAY) else 0.5
+    return abs(steps - round(steps)) < 1e-6
+
+
+def _delay_problem(delay: Any) -> str:
+    return (
+        f"a delay of {shown(delay)} s: expected 0 to {LONGEST_DELAY} s, and a whole number of control steps of "
+        f"{CONTROL_STEP} s"
+    )
 
 
 class Randomization(Kind):
@@ -138,7 +179,7 @@ class RandomMotorNoise(Randomization):
     """
 
     type = "motor_noise"
-    share: Annotated[NonNegative, Field(le=10.0)]  # standard deviation of the noise over the excitation: 0.2 is 20 %
+    share: Annotated[NonNegative, Field(le=_LARGEST_NOISE)]  # standard deviation over the excitation: 0.2 is 20 %
 
     def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
         return episode._replace(motor_noise=self.share, noise_seed=int(rng.integers(2**32)))

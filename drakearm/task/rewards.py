@@ -26,7 +26,10 @@ class Reward(Kind):
     reads: ClassVar[tuple[str, ...]]
 
     def __call__(self, *signals: np.ndarray) -> Any:
-        """The reward (...) from arrays (..., size of the signal). For many arms they have one row per arm."""
+        """The reward (...) from arrays (..., size of the signal). For many arms they have one row per arm.
+
+        So it must work on the last axis, for example with `sum(axis=-1)`.
+        """
         raise NotImplementedError
 
     def check(self, arm: Arm) -> None:
@@ -38,6 +41,19 @@ class Reward(Kind):
         It matters where the muscles are too weak for all joints: see `acceleration_weighting`.
         """
         return np.ones(len(arm.coordinates))
+
+
+def check_computed(reward: Reward, computed: Any, arms: int | None = None) -> Any:
+    """Returns what a reward computed for one arm, or for several arms with one row each.
+
+    Raises TaskError unless it is one number per arm.
+    """
+    values = np.asarray(computed)
+    if values.shape != (() if arms is None else (arms,)) or values.dtype.kind not in "fiub":
+        found = "None" if computed is None else f"the shape {values.shape}"
+        expected = "a single number" if arms is None else f"({arms},), one number per arm"
+        raise TaskError(f"The reward {type(reward).__name__} computed {found}: expected {expected}.")
+    return values
 
 
 @checked_dataclass()

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from drakearm.errors import TaskError
+from drakearm.errors import TaskError, shown
 from drakearm.model.arm import Arm
 from drakearm.model.obstacle import Obstacle
 from drakearm.model.reference import Reference
@@ -43,12 +44,25 @@ class TrackingTask:
         return Observation(self.arm, self.senses, self.lookahead)
 
     def episode(self, rng: np.random.Generator | None) -> Episode:
-        """How an episode starts, and what differs in it. rng: source of all that is random; None: nothing is."""
+        """How an episode starts, and what differs in it. rng: source of all that is random; None: nothing is.
+
+        Raises TaskError if the start or a randomization makes an episode that is not possible.
+        """
         episode = Episode(self.start(self.reference, rng), self.load_mass, senses_delay=self.senses_delay)
+        self._check(episode, "task has")
         if rng is not None:
             for randomization in self.randomization:
                 episode = randomization(episode, rng)
+                self._check(episode, f"randomization {type(randomization).__name__} drew")
         return episode
+
+    def _check(self, episode: Any, found: str) -> None:
+        """Raises TaskError if an episode is not possible. found: the beginning of the message."""
+        if not isinstance(episode, Episode):
+            raise TaskError(f"The {found} {shown(episode)}: expected an Episode.")
+        problem = episode.problem(len(self.arm.muscles), len(self.reference.t) - 1)
+        if problem:
+            raise TaskError(f"The {found} {problem}.")
 
     def __post_init__(self) -> None:
         problem = self.reference.problem()
@@ -60,7 +74,12 @@ class TrackingTask:
                 f"The reference has {joints} joints: expected {len(coordinates)}, the {', '.join(coordinates)} of the "
                 f"arm {self.arm.name}."
             )
-        _ = self.episode(None).delay_steps
+        if not (
+            isinstance(self.randomization, tuple | list)
+            and all(isinstance(each, Randomization) for each in self.randomization)
+        ):
+            raise TaskError(f"The randomization is {shown(self.randomization)}: expected a tuple of Randomizations.")
+        _ = self.episode(None)
         check_signals(f"The reward {type(self.reward).__name__}", self.reward.reads)
         self.reward.check(self.arm)
 

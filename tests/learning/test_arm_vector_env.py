@@ -2,16 +2,21 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
+import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.wrappers.vector import NormalizeObservation
 
 from drakearm.errors import ActionError, TrainingError
+from drakearm.experiments import make_task_env
 from drakearm.learning import ArmVectorEnv
 from drakearm.model.reference import Reference
-from drakearm.task import OBSERVATIONS, ReferenceStart, RewardWeights, Sense
+from drakearm.task import OBSERVATIONS, RandomMotorNoise, ReferenceStart, RewardWeights, Sense
 from drakearm.task.signals import MEMORY
+from tests.small_environments import NEXT_STEP, SAME_STEP
 
 
 def shortened(reference, steps):
@@ -128,6 +133,98 @@ def test_unusable_actions_are_refused(task, actions):
     envs.reset(seed=0)
     with pytest.raises(ActionError, match="2 times 14 finite"):
         envs.step(actions)
+
+
+def test_the_state_is_a_copy_that_restores(task):
+    task = replace(task, senses_delay=0.02, randomization=(RandomMotorNoise(0.2),))
+    envs = ArmVectorEnv([task, replace(task, load_mass=1.0)], 3, redraw=True)
+    envs.reset(seed=0)
+    actions = np.random.default_rng(0).random((100, 3, 14))
+    for action in actions[:20]:
+        envs.step(action)
+    state = envs.state
+    first = [envs.step(action)[:2] for action in actions]
+    envs.state = state
+    for action, expected in zip(actions, first, strict=True):
+        for ours, theirs in zip(envs.step(action)[:2], expected, strict=True):
+            np.testing.assert_array_equal(ours, theirs)
+
+
+def test_next_step_resets_one_step_later(task):
+    """The transitions are those of SAME_STEP, with a step in between that only resets."""
+    tasks = [task, replace(task, reference=shortened(task.reference, 30))]
+    same, later = (ArmVectorEnv(tasks, 2, autoreset_mode=mode) for mode in (SAME_STEP, NEXT_STEP))
+    assert later.metadata["autoreset_mode"] == NEXT_STEP
+    np.testing.assert_array_equal(same.reset(seed=0)[0], later.reset(seed=0)[0])
+    action = np.full((2, 14), 0.1)
+    for _ in range(30):
+        observation, *_, truncated, info = same.step(action)
+        kept, reward, _, ended, _ = later.step(action)
+    np.testing.assert_array_equal(truncated, [False, True])
+    np.testing.assert_array_equal(ended, truncated)
+    np.testing.assert_array_equal(kept, info["final_obs"])
+    started, reward, _, ended, _ = later.step(action)
+    assert reward[1] == 0.0 and reward[0] < 0.0 and not ended.any()
+    np.testing.assert_array_equal(started[1], observation[1])
+    np.testing.assert_array_equal(started[0], same.step(action)[0][0])
+    for _ in range(29):
+        same.step(action)
+    later_steps = [later.step(action) for _ in range(30)]
+    assert [list(step[3]) for step in later_steps[-2:]] == [[False, False], [False, True]]
+
+
+@pytest.mark.parametrize("mode", [SAME_STEP, NEXT_STEP])
+def test_gymnasium_s_own_vector_environment_resets_alike(task, mode):
+    task = replace(task, reference=shortened(task.reference, 12))
+    ones = SyncVectorEnv([partial(make_task_env, task)] * 2, autoreset_mode=mode)
+    many = ArmVectorEnv(task, 2, autoreset_mode=mode)
+    np.testing.assert_allclose(many.reset(seed=3)[0], ones.reset(seed=3)[0], rtol=1e-6, atol=1e-7)
+    for action in np.random.default_rng(0).random((30, 2, 14)):
+        for ours, theirs in zip(many.step(action)[:4], ones.step(action)[:4], strict=True):
+            np.testing.assert_allclose(ours, theirs, rtol=1e-6, atol=1e-7)
+
+
+def test_gymnasium_s_vector_wrappers_work_with_next_step():
+    envs = gymnasium.make_vec("drakearm/Track-v0", num_envs=2, scenario="timing-0.7s", autoreset_mode=NEXT_STEP)
+    normalized = NormalizeObservation(envs)
+    normalized.reset(seed=0)
+    assert np.isfinite(normalized.step(np.zeros((2, 14)))[0]).all()
+
+
+def test_episodes_end_after_max_episode_steps():
+    envs = gymnasium.make_vec("drakearm/Track-v0", num_envs=2, scenario="timing-0.7s", max_episode_steps=20)
+    envs.reset(seed=0)
+    ends = [envs.step(np.zeros((2, 14)))[3].all() for _ in range(40)]
+    assert np.flatnonzero(ends).tolist() == [19, 39]
+
+
+@pytest.mark.parametrize("mode", [SAME_STEP, NEXT_STEP])
+def test_a_mask_selects_the_arms_that_start(task, mode):
+    task = replace(task, reference=shortened(task.reference, 10))
+    envs = ArmVectorEnv(task, 3, autoreset_mode=mode)
+    first, _ = envs.reset(seed=0)
+    for _ in range(10):
+        before, *_ = envs.step(np.full((3, 14), 0.3))
+    mask = np.array([False, True, True])
+    observation, _ = envs.reset(seed=0, options={"reset_mask": mask})
+    np.testing.assert_array_equal(observation[mask], first[mask])
+    np.testing.assert_array_equal(observation[~mask], before[~mask])
+    ended = [envs.step(np.full((3, 14), 0.3))[3] for _ in range(11)]
+    np.testing.assert_array_equal(ended[9], [mode is SAME_STEP, True, True])
+    for bad in (np.zeros(3, bool), np.ones(2, bool), [True] * 3, np.ones(3)):
+        with pytest.raises(TrainingError, match=r"reset_mask is .*: expected an array \(3,\) of bool"):
+            envs.reset(options={"reset_mask": bad})
+
+
+def test_other_things_than_tasks_are_refused(task):
+    with pytest.raises(TrainingError, match="Found the task 'reach-000': expected a TrackingTask"):
+        ArmVectorEnv("reach-000", 4)
+    with pytest.raises(TrainingError, match="Found the task 3: expected a TrackingTask"):
+        ArmVectorEnv([task, 3], 4)
+    with pytest.raises(TrainingError, match="expected SAME_STEP or NEXT_STEP"):
+        ArmVectorEnv(task, 4, autoreset_mode=AutoresetMode.DISABLED)
+    with pytest.raises(TrainingError, match="expected at least 1"):
+        ArmVectorEnv(task, 4, max_episode_steps=0)
 
 
 @pytest.mark.slow

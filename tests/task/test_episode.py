@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drakearm.errors import TaskError
+from drakearm.errors import StateError, TaskError
+from drakearm.experiments import make_task_env
+from drakearm.learning import ArmVectorEnv
 from drakearm.task import (
     Episode,
     RandomDelay,
@@ -15,6 +17,8 @@ from drakearm.task import (
     RandomStart,
     RandomStrength,
     ReferenceStart,
+    Start,
+    StartState,
 )
 
 
@@ -72,3 +76,60 @@ def test_motor_noise_differs_between_episodes_and_is_the_same_again(task):
     np.testing.assert_array_equal(first.noise_factors(1000, 14), factors)
     assert (second.noise_factors(1000, 14) != factors).all()
     np.testing.assert_array_equal(task.episode(None).noise_factors(3, 14), 1.0)
+
+
+def changing(**changes):
+    """A user's randomization, named Own."""
+    attributes = {"type": "", "__call__": lambda self, episode, rng: episode._replace(**changes)}
+    return type("Own", (Randomization,), attributes)()
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"load_mass": -1.0}, "a load_mass of -1.0: expected 0 to 1000 kg"),
+        ({"load_mass": np.nan}, "a load_mass of nan: expected"),
+        ({"load_mass": None}, "a load_mass of None: expected"),
+        ({"strength": 0.0}, "a strength of 0.0: expected one factor or 14, one per muscle, from 0.01 to 100"),
+        ({"strength": -1.0}, "a strength of -1.0: expected"),
+        ({"strength": 1e6}, "a strength of 1000000.0: expected"),
+        ({"strength": np.ones(13)}, r"a strength of array\(.*: expected one factor or 14"),
+        ({"strength": np.full(14, np.nan)}, r"a strength of array\(.*: expected one factor or 14"),
+        ({"senses_delay": 0.005}, "a delay of 0.005 s: expected 0 to 0.2 s, and a whole number"),
+        ({"motor_noise": -0.1}, "a motor_noise of -0.1: expected 0 to 10"),
+        ({"noise_seed": 0.5}, "a noise_seed of 0.5: expected a whole number"),
+        ({"start": None}, "the start None: expected a StartState"),
+    ],
+)
+def test_an_episode_that_is_not_possible_is_refused_in_both_environments(task, changes, sentence):
+    own = replace(task, randomization=(changing(**changes),))
+    for env in (ArmVectorEnv(own, 2), make_task_env(own)):
+        with pytest.raises(TaskError, match=f"The randomization Own drew {sentence}"):
+            env.reset(seed=0)
+
+
+def test_a_forgotten_return_is_refused(task):
+    forgetful = type("Own", (Randomization,), {"type": "", "__call__": lambda self, episode, rng: None})()
+    with pytest.raises(TaskError, match="The randomization Own drew None: expected an Episode"):
+        replace(task, randomization=(forgetful,)).episode(np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("randomization", [RandomLoad(0.0, 1.0), (RandomLoad,), ("load",)])
+def test_the_randomization_of_a_task_is_a_tuple_of_instances(task, randomization):
+    with pytest.raises(TaskError, match="expected a tuple of Randomizations"):
+        replace(task, randomization=randomization)
+
+
+def test_impossible_tasks_and_starts_are_refused(task):
+    def start(*state):
+        return type("Own", (Start,), {"__call__": lambda self, reference, rng: StartState(*state)})()
+
+    q = task.reference.q[0]
+    with pytest.raises(TaskError, match=r"The task has a load_mass of -1.0: expected 0 to 1000 kg"):
+        replace(task, load_mass=-1.0)
+    with pytest.raises(TaskError, match=r"The task has a start at step 75: expected one of the steps 0 to 74"):
+        replace(task, start=start(q, 0.0, 0.05, 75))
+    fast = replace(task, start=start(q, np.nan))
+    for env in (ArmVectorEnv(fast, 2), make_task_env(fast)):
+        with pytest.raises(StateError, match="joint speeds"):
+            env.reset(seed=0)
