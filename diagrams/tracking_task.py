@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
-from pydrake.systems.primitives import Adder, Gain, LinearSystem, PassThrough
+from pydrake.systems.primitives import Adder, ConstantVectorSource, Gain, LinearSystem, PassThrough
 
 from drakearm.diagrams.muscle_arm import AddMuscleArm, MuscleArm
 from drakearm.diagrams.perturbation import BeginsRun, Perturbation, perturb_plant
@@ -17,7 +17,7 @@ from drakearm.systems.excitation_noise import ExcitationNoise
 from drakearm.systems.proprioception import Proprioception
 from drakearm.systems.reference_source import ReferenceSource
 from drakearm.systems.tracking_reward import TrackingReward
-from drakearm.task import Episode, TrackingTask
+from drakearm.task import Episode, TrackingTask, signal_size
 from drakearm.task.episode import LONGEST_STEPS
 from drakearm.task.signals import OF_BODY, RECENT, REMEMBERED
 
@@ -31,7 +31,8 @@ class TaskSystems:
     task: as the controller knows it. perturbed: as it is, with the perturbations of load, strength and start. varies:
     whether load, strength, delay and motor noise differ from run to run. sensed: what the controller gets of its body,
     by the names of signals; at least arm_state and activation. delays: of what is sensed. noise: of the excitations, if
-    the runs vary. to_begin: what is prepared for each run.
+    the runs vary. told: what senses and rewards read of the episode, by the names of signals. to_begin: what is
+    prepared for each run.
     """
 
     task: TrackingTask
@@ -45,6 +46,7 @@ class TaskSystems:
     reward: TrackingReward
     delays: tuple[DelayLine, ...]
     noise: ExcitationNoise | None
+    told: dict[str, ConstantVectorSource]
     to_begin: tuple[BeginsRun, ...]
 
     def Reset(
@@ -64,6 +66,9 @@ class TaskSystems:
         if self.noise is not None:
             steps, n = len((task or self.perturbed).reference.t), len(self.task.arm.muscles)
             self.noise.SetFactors(root_context, episode.noise_factors(steps, n))
+        for name, source in self.told.items():
+            value = source.get_mutable_source_value(source.GetMyMutableContextFromRoot(root_context))
+            value.SetFromVector(np.broadcast_to(getattr(episode, name), value.size()))
         plant, start = self.arm.plant, episode.start
         q = np.clip(start.q, plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits())
         root_context.SetTime(start.step * CONTROL_STEP)
@@ -115,6 +120,7 @@ def AddTrackingTask(
     body = {"arm_state": arm.plant.get_state_output_port()}
     body |= {name: arm.muscles.GetOutputPort(name) for name in OF_BODY if arm.muscles.HasOutputPort(name)}
     signals = body | {name: reference.GetOutputPort(name) for name in ("reference", "preview_q", "preview_v")}
+    signals["metabolic_power"] = arm.muscles.GetOutputPort("metabolic_power")
     signals["arm_acceleration"] = arm.plant.get_generalized_acceleration_output_port()
     proprioception = builder.AddNamedSystem("proprioception", Proprioception(task))
     read = {*proprioception.observation.reads, *task.reward.reads}
@@ -123,6 +129,11 @@ def AddTrackingTask(
     if "accumulated_error" in read:
         body["accumulated_error"] = _accumulated(builder, body["tracking_error"])
     signals |= {name: body[name] for name in ("tracking_error", "accumulated_error") if name in body}
+    told = {}
+    for name in sorted(read & {"load_mass", "strength"}):
+        value = np.broadcast_to(getattr(moved.episode(None), name), signal_size(name, task.arm, task.lookahead))
+        told[name] = builder.AddNamedSystem(f"{name}_of_episode", ConstantVectorSource(value))
+        signals[name] = told[name].get_output_port()
     reward = builder.AddNamedSystem("tracking_reward", TrackingReward(task))
     excitation, noise = arm.muscles.GetInputPort("excitation"), None
     if varies or perturbations or read & {"excitation", "recent_excitation"}:
@@ -158,7 +169,7 @@ def AddTrackingTask(
     to_begin = tuple(system for system in builder.GetSystems() if isinstance(system, BeginsRun))
     lines = tuple(delays.values())
     return TaskSystems(
-        task, moved, varies, arm, reference, excitation, sensed, proprioception, reward, lines, noise, to_begin
+        task, moved, varies, arm, reference, excitation, sensed, proprioception, reward, lines, noise, told, to_begin
     )
 
 

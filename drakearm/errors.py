@@ -100,6 +100,20 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return "".join(f" (did you mean {close}?)" for close in get_close_matches(name[:100], known, n=1))
 
 
+def listed(names: Iterable[str], length: int = 120) -> str:
+    """Names, one after the other; of many, the first and the last ones, and how many are between them."""
+    rest = list(names)
+    if len(", ".join(rest)) <= length:
+        return ", ".join(rest)
+    first: list[str] = []
+    last: list[str] = []
+    left = length
+    while len(rest[0]) + len(rest[-1]) + 4 <= left:
+        first, last, rest = [*first, rest[0]], [rest[-1], *last], rest[1:-1]
+        left -= len(first[-1]) + len(last[0]) + 4
+    return ", ".join([*first, f"{len(rest)} more", *last])
+
+
 def shown(value: Any) -> str:
     """A value as messages show it: as Python writes it, but short. Of a long path, the end is shown."""
     if isinstance(value, Path):

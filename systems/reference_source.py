@@ -1,6 +1,7 @@
 """ReferenceSource: the reference that an arm follows, which each context can replace."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -16,8 +17,17 @@ class Course:
 
     reference: Reference
     begin: float
-    now: PiecewisePolynomial  # q over the time since `begin`
-    ahead: PiecewisePolynomial  # q at each time of the lookahead
+    lookahead: tuple[int, ...]  # control steps
+
+    @cached_property
+    def now(self) -> PiecewisePolynomial:
+        """The angles q over the time since `begin`."""
+        return self.reference.preview_trajectory()
+
+    @cached_property
+    def ahead(self) -> PiecewisePolynomial:
+        """The angles q at each time of the lookahead."""
+        return self.reference.preview_trajectory(self.lookahead)
 
 
 class ReferenceSource(LeafSystem):
@@ -63,7 +73,7 @@ class ReferenceSource(LeafSystem):
         return self._get_course(self.GetMyContextFromRoot(root_context)).reference
 
     def _make_course(self, reference: Reference, begin: float) -> Course:
-        return Course(reference, begin, reference.preview_trajectory(), reference.preview_trajectory(self._lookahead))
+        return Course(reference, begin, self._lookahead)
 
     def _get_course(self, context: Context) -> Course:
         course: Course = context.get_abstract_state(self._course).get_value()

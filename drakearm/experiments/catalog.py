@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from drakearm.errors import ScenarioError, did_you_mean, shown
+from drakearm.errors import ScenarioError, did_you_mean, listed, shown
 
 _SHIPPED = Path(__file__).parent / "scenarios"
 POLICIES = Path(__file__).parents[1] / "policies"  # one folder per shipped scenario or repertoire
@@ -32,19 +32,19 @@ def scenario_descriptions() -> dict[str, str]:
 
 
 def find_scenario(scenario: str | Path) -> Path:
-    """The file of a shipped scenario, or the given path. Raises ScenarioError, listing the names, if there is none."""
+    """The file of a shipped scenario, or the given path. Raises ScenarioError, listing names, if there is none."""
     return find_file(scenario, scenario_files(), "scenario")
 
 
 def find_file(given: str | Path, shipped: Mapping[str, Path], what: str) -> Path:
     """The shipped file of this name, or the given path. what: scenario, or whatever the files are.
 
-    Raises ScenarioError, listing the names, if there is none.
+    Raises ScenarioError, listing names, if there is none.
     """
     file = shipped.get(str(given), Path(given))
     if not os.path.isfile(file):  # also if its name is too long or has a NUL character
         raise ScenarioError(
             f"There is no {what} {shown(str(given))}{did_you_mean(str(given), shipped)}: "
-            f"expected the path of a file or one of {', '.join(shipped)}."
+            f"expected the path of a file or one of {listed(shipped)}."
         )
     return file

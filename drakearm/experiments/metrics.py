@@ -1,6 +1,6 @@
 """How good the runs of a policy are: the numbers of metrics.json."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from platform import python_version
@@ -10,6 +10,7 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from drakearm.diagrams import MakePolicyLoop
+from drakearm.errors import TaskError, shown
 from drakearm.experiments.success import SuccessCriterion
 from drakearm.learning import Policy
 from drakearm.model import MakeTorqueArm
@@ -19,23 +20,36 @@ from drakearm.model.skeleton import hand_motion
 from drakearm.task import TrackingTask
 
 STOCHASTIC_RUNS = 10
+Act = Callable[[np.ndarray], np.ndarray]
 _PACKAGES = ("drakearm", "drake", "torch", "numpy", "numba", "gymnasium")
 
 
-def run_policy(task: TrackingTask, policy: Policy) -> Recording:
+def run_policy(task: TrackingTask, policy: Policy | Act) -> Recording:
     """One closed-loop run with the policy's mean excitations, from the start without noise.
 
-    Raises PolicyFileError if the policy is not for this task.
+    policy: a `Policy`, or any function from an observation (size,) to excitations (n,). Raises PolicyFileError if the
+    policy is not for this task.
     """
-    policy.check(task)
-    return MakePolicyLoop(task, policy.act).Run()
+    return MakePolicyLoop(task, controller(task, policy)).Run()
+
+
+def controller(task: TrackingTask, policy: Policy | Act) -> Act:
+    """The function from observations to mean excitations. Raises PolicyFileError if a policy is not for this task."""
+    if isinstance(policy, Policy):
+        policy.check(task)
+        return policy.act
+    if not callable(policy):
+        raise TaskError(f"Found the policy {shown(policy)}: expected a Policy, or a function of the observation.")
+    return policy
 
 
 def run_policy_stochastic(task: TrackingTask, policy: Policy, seed: int) -> list[Recording]:
     """STOCHASTIC_RUNS closed-loop runs with excitations that are sampled from the policy, each from a random start.
 
-    Raises PolicyFileError if the policy is not for this task.
+    Raises PolicyFileError if the policy is not for this task, TaskError if it is no `Policy`.
     """
+    if not isinstance(policy, Policy):
+        raise TaskError(f"Found the policy {shown(policy)}: expected a Policy, which can sample its excitations.")
     policy.check(task)
     generators = [np.random.default_rng([seed, run]) for run in range(STOCHASTIC_RUNS)]
     return [MakePolicyLoop(task, partial(policy.act, rng=rng)).Run(rng) for rng in generators]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drakearm.diagrams import MakePolicyLoop, Perturbation
-from drakearm.experiments.metrics import STOCHASTIC_RUNS, metrics_of_runs, versions
+from drakearm.experiments.metrics import STOCHASTIC_RUNS, Act, controller, metrics_of_runs, versions
 from drakearm.experiments.provenance import fingerprint
 from drakearm.experiments.run_folder import RunFolder
 from drakearm.learning import Policy
@@ -20,16 +20,15 @@ SEED = 0  # of all noise: the same for every policy, so that they can be compare
 
 
 def run_policy_perturbed(
-    task: TrackingTask, policy: Policy, perturbations: Sequence[Perturbation], *, seed: int, runs: int
+    task: TrackingTask, policy: Policy | Act, perturbations: Sequence[Perturbation], *, seed: int, runs: int
 ) -> list[Recording]:
     """Closed-loop runs with the policy's mean excitations on a perturbed arm.
 
-    Each run draws the noise of the task's start and of the perturbations from a generator of its own. The same seed
-    gives the same runs, and every policy gets the same noise. Raises PolicyFileError if the policy is not for this
-    task, TaskError if a perturbation does not fit the arm.
+    policy: see `run_policy`. Each run draws the noise of the task's start and of the perturbations from a generator of
+    its own. The same seed gives the same runs, and every policy gets the same noise. Raises PolicyFileError if the
+    policy is not for this task, TaskError if a perturbation does not fit the arm.
     """
-    policy.check(task)
-    loop = MakePolicyLoop(task, policy.act, perturbations=perturbations)
+    loop = MakePolicyLoop(task, controller(task, policy), perturbations=perturbations)
     return [loop.Run(np.random.default_rng([seed, run])) for run in range(runs)]
 
 

@@ -15,9 +15,10 @@ from drakearm.learning.arm_rewards import ArmRewards
 from drakearm.learning.compiled_arm import CompiledArms
 from drakearm.learning.generator_state import generator_state, restored_generator
 from drakearm.learning.past_signals import PastSignals
+from drakearm.learning.reset_mask import reset_mask
 from drakearm.model.dynamics_table import DynamicsTable
 from drakearm.model.loaded_dynamics import LoadedDynamics
-from drakearm.model.musculature import require_state, resting_states, tendon_forces_of_arms
+from drakearm.model.musculature import metabolic_powers_of_arms, require_state, resting_states, tendon_forces_of_arms
 from drakearm.model.reference import CONTROL_STEP, sample_ranges
 from drakearm.task import TrackingTask, signal_size
 from drakearm.task.episode import LONGEST_STEPS, Episode
@@ -106,6 +107,9 @@ class ArmVectorEnv(VectorEnv):
             "fiber_length": lambda: self._muscle_state[:, n : 2 * n],
             "fiber_velocity": lambda: self._muscle_state[:, 3 * n :],
             "tendon_force": self._tendon_force,
+            "metabolic_power": self._metabolic_power,
+            "load_mass": lambda: self._load_mass[:, None],
+            "strength": lambda: self._strength,
         }
         self._accumulates = "accumulated_error" in (*self._observation.reads, *self._rewards.reads)
         late = any(task.senses_delay > 0.0 or task.randomization for task in tasks)
@@ -127,7 +131,7 @@ class ArmVectorEnv(VectorEnv):
         options: may have a `reset_mask` (N,), bool. Then only the environments that it selects start an episode. Raises
         TrainingError for another mask.
         """
-        which = _reset_mask(options or {}, self.num_envs)
+        which = reset_mask(options or {}, self.num_envs)
         if seed is not None:
             seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
             self._generators = [
@@ -146,9 +150,7 @@ class ArmVectorEnv(VectorEnv):
                 f"The actions have the shape {values.shape} and {np.sum(~np.isfinite(values))} values that are not "
                 f"finite: expected {self.num_envs} times {self._n} finite excitations."
             )
-        noisy = values
-        if self._motor_noise.any():
-            noisy = values.clip(0.0, 1.0) * self._noise_factor[np.arange(self.num_envs), self.reference_step]
+        noisy = self._noisy(values)
         if self._accumulates:
             error = self._signals["tracking_error"]()[:, : self._n_q]
             self._accumulated = REMEMBERED * self._accumulated + CONTROL_STEP * error
@@ -205,8 +207,9 @@ class ArmVectorEnv(VectorEnv):
         self._end, self._ended = arrays["end"].copy(), arrays["ended"].copy()
         self._load_mass, self._strength = arrays["load_mass"].copy(), arrays["strength"].copy()
         self._delay = arrays["delay"].copy()
+        had_noise = self._motor_noise != 0.0
         self._motor_noise, self._noise_seed = arrays["motor_noise"].copy(), arrays["noise_seed"].copy()
-        for k in np.flatnonzero(self._motor_noise).tolist():
+        for k in np.flatnonzero(had_noise | (self._motor_noise != 0.0)).tolist():
             noise = {"motor_noise": float(self._motor_noise[k]), "noise_seed": int(self._noise_seed[k])}
             self._draw_noise(k, self.tasks[self.task_of_arm[k]].episode(None)._replace(**noise))
         self._past.state = arrays
@@ -268,6 +271,20 @@ class ArmVectorEnv(VectorEnv):
         force = tendon_forces_of_arms(fibers, self._arm_state, self._arm.muscle_table, self._arm.path_table)
         return self._strength * force
 
+    def _metabolic_power(self) -> np.ndarray:
+        n, state = self._n, self._muscle_state
+        fibers, velocity = np.ascontiguousarray(state[:, : 2 * n]), np.ascontiguousarray(state[:, 3 * n :])
+        excitation, muscles = np.ascontiguousarray(self._noisy(self._recent[:, 0])), self._arm.muscle_table
+        return metabolic_powers_of_arms(
+            fibers, velocity, excitation, self._arm_state, self._strength, muscles, self._arm.path_table
+        )
+
+    def _noisy(self, excitation: np.ndarray) -> np.ndarray:
+        """The excitations (N, n) that muscles get: with the motor noise of the present control step."""
+        if not self._motor_noise.any():
+            return excitation
+        return excitation.clip(0.0, 1.0) * self._noise_factor[np.arange(self.num_envs), self.reference_step]
+
     def _info(self) -> dict[str, Any]:
         info = {
             "arm_state": self._arm_state,
@@ -276,13 +293,3 @@ class ArmVectorEnv(VectorEnv):
         }
         everywhere = np.ones(self.num_envs, dtype=bool)
         return info | {f"_{name}": everywhere for name in info}
-
-
-def _reset_mask(options: dict[str, Any], num_envs: int) -> np.ndarray:
-    """Which environments a reset with these options starts, (N,), bool. Raises TrainingError for another mask."""
-    mask = options.get("reset_mask")
-    if mask is None:
-        return np.ones(num_envs, dtype=bool)
-    if not (isinstance(mask, np.ndarray) and mask.shape == (num_envs,) and mask.dtype == bool and mask.any()):
-        raise TrainingError(f"The reset_mask is {shown(mask)}: expected an array ({num_envs},) of bool, some true.")
-    return mask

@@ -11,7 +11,10 @@ from drakearm.files.writing import storage
 
 @dataclass(frozen=True)
 class BatchReport:
-    """The progress of a training after a batch: one row of the log."""
+    """The progress of a training after a batch: one row of the log.
+
+    Rewards, errors and losses are those with exploration, so the policy without noise is better.
+    """
 
     batch: int  # from 1
     batches: int  # of the whole training

@@ -12,6 +12,7 @@ from pydrake.systems.framework import Context, Diagram
 
 from drakearm.diagrams import MakeSimulator
 from drakearm.errors import ActionError, TrainingError, shown
+from drakearm.learning.context_state import context_arrays, set_context_arrays
 from drakearm.learning.generator_state import generator_state, restored_generator
 
 Reset = Callable[[Context, np.random.Generator], object]
@@ -131,28 +132,22 @@ class DiagramEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that the next steps depend on, by name. To set it continues the episode where it was."""
-        context = self._context
-        discrete = context.get_discrete_state()
-        return {
-            "continuous": context.get_continuous_state_vector().CopyToVector(),
-            "discrete": np.concatenate([[], *(discrete.value(i) for i in range(discrete.num_groups()))]),
-            "action": self._actions.Eval(context).copy(),
+        """A copy of all that the next steps depend on, by name. To set it continues the episode where it was.
+
+        It holds the state and the parameters of the Diagram: see `context_arrays`.
+        """
+        return context_arrays(self._context) | {
+            "action": self._actions.Eval(self._context).copy(),
             "steps": np.array(self._steps),
             "generator": generator_state(self.np_random),
         }
 
     @state.setter
     def state(self, arrays: dict[str, np.ndarray]) -> None:
-        context, values = self._context, arrays["discrete"]
         self._steps = int(arrays["steps"].item())
-        self._diagram.SetDefaultContext(context)
-        context.SetTime(self._steps * self._control_step)
-        self._actions.FixValue(context, arrays["action"])
-        context.SetContinuousState(arrays["continuous"])
-        sizes = [context.get_discrete_state().value(i).size for i in range(context.num_discrete_state_groups())]
-        for i, part in enumerate(np.split(values, np.cumsum(sizes)[:-1]) if sizes else []):
-            context.SetDiscreteState(i, part)
+        self._context.SetTime(self._steps * self._control_step)
+        self._actions.FixValue(self._context, arrays["action"])
+        set_context_arrays(self._context, arrays)
         self.np_random = restored_generator(arrays["generator"])
         self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
 

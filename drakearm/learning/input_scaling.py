@@ -40,3 +40,8 @@ class InputScaling:
         unscaled = weight.astype(np.float64) * self.scale
         shifted = bias - (unscaled * self.mean).sum(axis=1)
         return unscaled.astype(np.float32), shifted.astype(np.float32)
+
+    def unfolded(self, weight: np.ndarray, bias: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The opposite of `folded`: weight and bias of a first layer that takes standardized observations."""
+        shifted = bias + (weight.astype(np.float64) * self.mean).sum(axis=1)
+        return (weight.astype(np.float64) / self.scale).astype(np.float32), shifted.astype(np.float32)

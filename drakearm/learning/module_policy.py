@@ -18,8 +18,8 @@ from drakearm.files import replacement
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.networks import Actor, Critic
 from drakearm.learning.policy import Policy
+from drakearm.learning.policy_file import MODULE_FORMAT as FORMAT
 
-FORMAT = "drakearm-module-policy"
 FORMAT_VERSION = 1
 
 # From the numbers of observations and actions to the actor's mean, (n, n_obs) to (n, n_act), and the critic's value,
@@ -32,24 +32,49 @@ def own_networks(
 ) -> tuple[Actor, Critic]:
     """Actor and critic from a user's modules, whose initial weights the seed determines.
 
-    Raises TrainingError if the modules do not map observations to actions and to values.
+    Raises TrainingError if the modules do not map observations to actions and to values, if they remember earlier
+    observations, or if they compute something else in training mode than in evaluation mode: PPO compares the actions
+    of a batch with those of the same network later.
     """
     with torch.random.fork_rng():
         torch.manual_seed(seed)
         mean, value = networks(n_observations, n_actions)
-    for name, network, expected in (("actor", mean, (2, n_actions)), ("critic", value, (2, 1))):
-        try:
-            found = tuple(network(torch.zeros(2, n_observations)).shape)
-        except Exception as error:  # whatever a user's code raises
-            raise TrainingError(
-                f"The network of the {name} cannot take 2 observations of length {n_observations}: {error}"
-            ) from error
-        if found != expected:
-            raise TrainingError(
-                f"The network of the {name} makes outputs of shape {found} from 2 observations: expected {expected}."
-            )
+        for name, network, expected in (("actor", mean, (2, n_actions)), ("critic", value, (2, 1))):
+            _check_network(name, network, n_observations, expected)
     actor = Actor(n_observations, n_actions, initial_std=std, learns_std=learns_std, mean=mean)
     return actor, Critic(n_observations, value=value)
+
+
+@torch.no_grad()
+def _check_network(name: str, network: nn.Module, n_observations: int, expected: tuple[int, int]) -> None:
+    observations = torch.linspace(-1.0, 1.0, 2 * n_observations).reshape(2, n_observations)
+    try:
+        outputs = network(observations)
+        found = tuple(outputs.shape)
+        evaluated = copy.deepcopy(network).eval()
+        first, second = evaluated(observations), evaluated(observations)
+    except Exception as error:  # whatever a user's code raises
+        raise TrainingError(
+            f"The network of the {name} cannot take 2 observations of length {n_observations}: {error}"
+        ) from error
+    if found != expected:
+        raise TrainingError(
+            f"The network of the {name} makes outputs of shape {found} from 2 observations: expected {expected}."
+        )
+    if not _same(first, second):
+        raise TrainingError(
+            f"The network of the {name} computes different outputs from the same observations: expected modules that "
+            "have no memory between steps and draw no random numbers. Senses can hold what was earlier."
+        )
+    if not _same(outputs, first):
+        raise TrainingError(
+            f"The network of the {name} computes something else in training mode than in evaluation mode, as dropout "
+            "and batch normalization do: expected modules without them, for example with layer normalization."
+        )
+
+
+def _same(first: torch.Tensor, second: torch.Tensor) -> bool:
+    return torch.allclose(first, second, rtol=1e-4, atol=1e-6, equal_nan=True)
 
 
 class ModulePolicy(Policy):
@@ -77,6 +102,15 @@ class ModulePolicy(Policy):
     @property
     def n_observations(self) -> int:
         return self._size
+
+    @property
+    def scaling(self) -> InputScaling:
+        """Of the observations, before the networks get them."""
+        return self._scaling
+
+    def state_dicts(self) -> list[dict[str, torch.Tensor]]:
+        """The weights of the actor and of the critic, as PyTorch has them."""
+        return [network.state_dict() for network in self._modules]
 
     @torch.no_grad()
     def act(self, observation: ArrayLike, rng: np.random.Generator | None = None) -> NDArray[np.float64]:

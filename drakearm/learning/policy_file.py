@@ -23,6 +23,7 @@ from drakearm.files.problems import first_problem
 
 FORMAT = "drakearm-policy"
 FORMAT_VERSION = 1
+MODULE_FORMAT = "drakearm-module-policy"  # of a policy with networks of a user's own
 _LARGEST_FILE, _LARGEST_HEADER = 500_000_000, 1_000_000  # bytes
 _LARGEST_WEIGHT = 1e6  # larger ones overflow in float32 after a few layers
 _LARGEST_LOG_STD = 50.0  # of the actions: larger ones overflow in float32
@@ -83,6 +84,11 @@ class PolicyHeader:
 def read_policy(file: Path) -> tuple[PolicyHeader, dict[str, NDArray[Any]]]:
     """Header and weights. Raises PolicyFileError if the file is no policy or has an invalid header."""
     texts, weights = _read(file)
+    if json.dumps(MODULE_FORMAT) in texts.get("drakearm", ""):
+        raise PolicyFileError(
+            f"{shown(file)} is a safetensors file, but not a drakearm policy that the commands can read: it is a "
+            "ModulePolicy, which `ModulePolicy.load(file, networks)` reads in a program."
+        )
     if texts.pop("format", None) != json.dumps(FORMAT):
         raise PolicyFileError(f"{shown(file)} is a safetensors file, but not a drakearm policy.")
     version = texts.pop("version", None)

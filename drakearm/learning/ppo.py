@@ -28,8 +28,10 @@ from drakearm.learning.module_policy import ModulePolicy, Networks, own_networks
 from drakearm.learning.networks import Actor, Critic, policy_of
 from drakearm.learning.policy import Policy
 from drakearm.learning.ppo_settings import PpoSettings
+from drakearm.learning.preparation import default_preparation
 from drakearm.learning.rollout import Collector, Rollout, gae
 from drakearm.learning.threads import one_thread
+from drakearm.learning.warm_start import warm_start
 
 
 @one_thread()
@@ -38,31 +40,46 @@ def train(
     settings: PpoSettings,
     *,
     seed: int,
-    metadata: dict[str, Any],
+    metadata: dict[str, Any] | None = None,
     prepare: Callable[[Actor], InputScaling] | None = None,
+    initial_policy: Policy | None = None,
     networks: Networks | None = None,
     device: str | None = None,
-    log_path: Path | None = None,
-    checkpoint_path: Path | None = None,
-    resume_path: Path | None = None,
-    on_batch: Callable[[BatchReport], None] | None = None,
+    log_path: Path | str | None = None,
+    checkpoint_path: Path | str | None = None,
+    resume_path: Path | str | None = None,
+    on_batch: Callable[[BatchReport], object] | None = None,
 ) -> Policy:
     """Trains a policy on `envs`, which stay open. The same seed gives the same policy, bit for bit.
 
-    metadata: is stored in the policy. prepare: returns the scaling of the inputs, and may train the actor before PPO
-    does, see `imitate` and `survey`; without it, inputs are not scaled. The policy takes unscaled observations.
+    What comes before PPO: with an ArmVectorEnv, the actor imitates static optimization for as many rounds as the
+    settings say, or a survey shows how to scale the inputs (`drakearm.learning.prepare`). Other environments have no
+    tasks: their inputs are not scaled, and the settings must have no rounds of imitation. prepare: replaces this. It
+    may train the actor, and returns the scaling of the inputs. initial_policy: replaces it too: the training begins
+    with the weights of this policy, see `warm_start`. The new policy takes unscaled observations.
+
+    metadata: is stored in the policy.
     networks: makes modules of PyTorch from the numbers of observations and actions, the actor's mean and the critic's
     value; the policy is a `ModulePolicy` then, and the settings' layers are not used. device: of PyTorch, such as "cpu"
     or "cuda"; by default CUDA where there is any.
     log_path: gets one CSV row per batch, with the fields of BatchReport. checkpoint_path: gets the current policy after
     every batch. resume_path: gets all that the training needs to continue after every batch. If the file exists
-    already, the training continues from it, and ends with the same policy as if it had never stopped. on_batch: called
-    after every batch with its report; the files are written before.
+    already, the training continues from it, and ends with the same policy as if it had never stopped. It must have the
+    same settings. Another number of batches would be another training, because learning rates and exploration fall
+    from the first batch to the last one; to train a policy further, give it as initial_policy.
+    on_batch: called after every batch with its report; the files are written before. If it returns False, the training
+    ends with the policy so far. What it raises ends the training too, and leaves the files.
 
-    Raises TrainingError if PPO cannot use the environments, settings or seed, when an observation, a reward or a
-    gradient is not finite, and if the file to continue from is damaged or belongs to a training with another seed or
-    settings.
+    Raises TrainingError if PPO cannot use the environments, settings, networks, initial policy or seed, when an
+    observation, a reward or a gradient is not finite, and if the file to continue from is damaged or belongs to a
+    training with another seed, settings or metadata.
     """
+    metadata = metadata or {}
+    log_file, policy_file, resume_file = (
+        None if path is None else Path(path) for path in (log_path, checkpoint_path, resume_path)
+    )
+    if prepare and initial_policy:
+        raise TrainingError("Found prepare and initial_policy: expected one of them.")
     observation_space, action_space = _suitable_spaces(envs, settings)
     if not 0 <= seed < 2**32:
         raise TrainingError(f"The seed is {shown(seed)}: expected a whole number from 0 to 2**32 - 1.")
@@ -74,10 +91,15 @@ def train(
         std, learns_std = settings.initial_std, settings.final_std is None
         actor, critic = own_networks(networks, n_observations, n_actions, seed, std, learns_std)
     inputs = json.loads(json.dumps({"seed": seed, "settings": asdict(settings), "metadata": metadata}))
-    earlier = _earlier(resume_path, inputs)
-    scaling = InputScaling.none(n_observations)
-    if prepare and earlier is None:
+    earlier = _earlier(resume_file, inputs)
+    if earlier is not None:
+        scaling = InputScaling.none(n_observations)  # until that of the checkpoint replaces it
+    elif initial_policy:
+        scaling = warm_start(initial_policy, actor, critic, envs, settings.steps, seed)
+    elif prepare:
         scaling = prepare(actor)
+    else:
+        scaling = default_preparation(actor, envs, settings, seed)
     for network in (actor, critic):
         network.to(_device(device))
     actor_learner = ActorLearner(actor, settings.max_grad_norm, settings.clip)
@@ -92,7 +114,7 @@ def train(
 
     parts: dict[str, Any] = {"actor": actor_learner, "critic": critic_learner}
     parts |= {"collector": collector, "generator": TorchGenerator(generator)}
-    if resume_path:
+    if resume_file:
         parts["environments"] = Environments(envs)
     finished, steps, learning_rate = 0, 0, settings.learning_rate
     if earlier is not None:
@@ -102,7 +124,7 @@ def train(
 
     start = batch_start = time.perf_counter()
     with ExitStack() as stack:
-        write_row = csv_log(log_path, finished, stack)
+        write_row = csv_log(log_file, finished, stack)
         for batch in range(finished + 1, settings.batches + 1):
             done = (batch - 1) / settings.batches
             critic_learner.set_learning_rate(settings.critic_learning_rate * (1.0 - done))
@@ -136,14 +158,14 @@ def train(
             )
             batch_start = now
             write_row(report)
-            if checkpoint_path:
-                policy().save(checkpoint_path)
-            if resume_path:
+            if policy_file:
+                policy().save(policy_file)
+            if resume_file:
                 checkpoint = Checkpoint(inputs, {"batch": batch, "steps": steps, "learning_rate": learning_rate})
                 checkpoint.add(parts)
-                checkpoint.save(resume_path)
-            if on_batch:
-                on_batch(report)
+                checkpoint.save(resume_file)
+            if on_batch and on_batch(report) is False:
+                break
     return policy()
 
 
@@ -218,6 +240,11 @@ def _device(name: str | None) -> torch.device:
 
 def _suitable_spaces(envs: VectorEnv, settings: PpoSettings) -> tuple[Box, Box]:
     """The spaces of one observation and one action. Raises TrainingError if PPO cannot train with these."""
+    if not isinstance(envs, VectorEnv):
+        raise TrainingError(
+            f"PPO needs a vector environment, such as ArmVectorEnv or what gymnasium.make_vec makes, but was given "
+            f"{type(envs).__name__}."
+        )
     spaces = []
     for name in ("observation", "action"):
         space = getattr(envs, f"single_{name}_space")
@@ -243,7 +270,17 @@ def _earlier(path: Path | None, inputs: dict[str, Any]) -> Checkpoint | None:
     if path is None or not path.exists():
         return None
     earlier = Checkpoint.load(path)
-    different = [name for name in inputs if earlier.inputs.get(name) != inputs[name]]
+    different = _differences("", earlier.inputs, inputs)
     if different:
-        raise TrainingError(f"{shown(path)} is from a training with another {different[0]}: expected the same.")
+        raise TrainingError(
+            f"{shown(path)} is from a training with another {' and '.join(different)}: expected the same."
+        )
     return earlier
+
+
+def _differences(start: str, earlier: Any, present: Any) -> list[str]:
+    """The names of fields that differ, with both values. start: of the names."""
+    if isinstance(earlier, dict) and isinstance(present, dict):
+        fields = dict.fromkeys((*present, *earlier))
+        return [d for f in fields for d in _differences(f"{start}{f}.", earlier.get(f), present.get(f))]
+    return [] if earlier == present else [f"{start.rstrip('.')} ({shown(earlier)} instead of {shown(present)})"]

@@ -2,6 +2,10 @@
 
 from collections.abc import Callable, Sequence
 
+from gymnasium.vector import VectorEnv
+
+from drakearm.errors import TrainingError
+from drakearm.learning.arm_vector_env import ArmVectorEnv
 from drakearm.learning.imitation import imitate
 from drakearm.learning.input_scaling import InputScaling
 from drakearm.learning.networks import Actor
@@ -33,3 +37,20 @@ def prepare(
             settings.imitation_stiffness,
         )
     return survey(tasks, settings.initial_action, settings.initial_std, seed)
+
+
+def default_preparation(actor: Actor, envs: VectorEnv, settings: PpoSettings, seed: int) -> InputScaling:
+    """What `train` does before PPO if it is told nothing else: `prepare` with the tasks of an ArmVectorEnv.
+
+    Other environments have no tasks: the actor and the inputs stay as they are. Raises TrainingError if the settings
+    ask for imitation there.
+    """
+    if isinstance(envs, ArmVectorEnv):
+        return prepare(actor, envs.tasks, settings, seed)
+    if settings.imitation_rounds:
+        raise TrainingError(
+            f"The settings ask for {settings.imitation_rounds} rounds of imitation, but {type(envs).__name__} has no "
+            "tasks to imitate: expected an ArmVectorEnv without wrappers, the argument prepare, or imitation_rounds=0."
+        )
+    assert envs.single_observation_space.shape
+    return InputScaling.none(envs.single_observation_space.shape[0])

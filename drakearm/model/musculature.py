@@ -169,6 +169,17 @@ def muscle_report(fibers, velocity, excitation, arm_state, muscles, paths):
 
 
 @compiled
+def metabolic_powers_of_arms(fibers, velocity, excitation, arm_state, strength, muscles, paths):
+    """Metabolic powers (N, n) of the muscles of N arms; fibers: (N, 2 n), velocity, excitation, strength: (N, n)."""
+    power, own = np.empty_like(strength), muscles.copy()
+    for k in range(len(fibers)):
+        for i in range(len(muscles)):
+            own[i].max_isometric_force = muscles[i].max_isometric_force * strength[k, i]
+        power[k] = muscle_report(fibers[k], velocity[k], excitation[k], arm_state[k], own, paths)[4]
+    return power
+
+
+@compiled
 def _equilibrium(activation, q, muscles, paths, pieces, length, slope, force):
     """Writes fiber lengths and tendon forces in equilibrium, (n, N), at N postures q (n_q, N). activation: (N, n)."""
     evaluate_path_lanes(q, paths, pieces, length, slope)

@@ -37,7 +37,7 @@ class Errors(NamedTuple):
 
 
 def held_out_errors(tasks: Sequence[TrackingTask], act: Act | None, *, random: bool = False, seed: int = 0) -> Errors:
-    """The errors in one run of each task, without exploration.
+    """The errors (K,) in one run of each of K tasks, without exploration: `mean` in rad, `hand` in cm.
 
     act: a policy, from observations (K, size) to excitations (K, n); None: static optimization that is told the load.
     random: whether starts have noise and the tasks' randomization. seed: of that.

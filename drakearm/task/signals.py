@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from drakearm.errors import TaskError
+from drakearm.errors import TaskError, listed
 from drakearm.model.arm import Arm
 from drakearm.model.reference import CONTROL_STEP
 
@@ -24,6 +24,9 @@ SIGNALS = {  # meaning, size and unit, for n muscles and n_q coordinates
     "fiber_length": "lengths of the muscle fibers (n), m",
     "fiber_velocity": "velocities of the muscle fibers (n), m/s, positive if the fiber lengthens",
     "tendon_force": "forces of the tendons (n), N",
+    "metabolic_power": "heat and work of the muscles (n), W, with the excitations of the last control step",
+    "load_mass": "mass in the hand in this episode (1), kg",
+    "strength": "factors of the maximum isometric forces in this episode (n)",
 }
 # What nerves report, with a delay.
 OF_BODY = (
@@ -49,6 +52,7 @@ def signal_size(name: str, arm: Arm, lookahead: tuple[int, ...]) -> int:
         "preview_q": n_q * len(lookahead),
         "preview_v": n_q * len(lookahead),
         "recent_excitation": n * RECENT,
+        "load_mass": 1,
     }
     return sizes.get(name, n)
 
@@ -58,4 +62,4 @@ def check_signals(what: str, reads: Iterable[str], *, of_sense: bool = False) ->
     known = [name for name in SIGNALS if not (of_sense and name == "arm_acceleration")]
     for name in reads:
         if name not in known:
-            raise TaskError(f"{what} reads the signal {name!r}: expected one of {', '.join(known)}.")
+            raise TaskError(f"{what} reads the signal {name!r}: expected one of {listed(known, 200)}.")

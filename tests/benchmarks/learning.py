@@ -103,7 +103,8 @@ def measure_vector(quick: bool, arms: int, muscles: int = 14, clock: Callable[[]
 def measure_ppo(quick: bool) -> None:
     """PPO with the scenario's settings, collecting and updating on two cores: the median batch without the first."""
     scenario, task = load_task()
-    settings = replace(scenario.training, batches=QUICK_PPO_BATCHES if quick else PPO_BATCHES)
+    batches = QUICK_PPO_BATCHES if quick else PPO_BATCHES
+    settings = replace(scenario.training, batches=batches, imitation_rounds=0)
     envs, times = ArmVectorEnv(task, settings.environments), []
     train(envs, settings, seed=0, metadata={}, on_batch=lambda _: times.append(time.perf_counter()))
     steps = settings.environments * settings.steps / statistics.median(np.diff(times))

@@ -1,5 +1,7 @@
 """Scenario files: every shipped one is valid, and a wrong one is an error that names file and field."""
 
+import re
+
 import pytest
 import yaml
 
@@ -161,3 +163,12 @@ def test_a_run_keeps_its_preset(tmp_path):
     assert run.scenario().training == PAPER
     plan_step(run, run.path("scenario"))
     assert run.scenario().training == PAPER
+
+
+def test_an_unknown_scenario_lists_whole_names_and_how_many_more_there_are():
+    with pytest.raises(ScenarioError) as refused:
+        load_scenario("reach")
+    given = re.search(r"or one of (.*), (\d+) more, (.*)\.$", str(refused.value))
+    assert given is not None
+    names = [*given[1].split(", "), *given[3].split(", ")]
+    assert set(names) < set(scenario_files()) and len(names) + int(given[2]) == len(scenario_files())

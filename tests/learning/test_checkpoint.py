@@ -12,7 +12,7 @@ from drakearm.learning import ArmVectorEnv, PpoSettings, train
 from drakearm.learning.checkpoint import Checkpoint
 from drakearm.learning.generator_state import generator_state, restored_generator
 from drakearm.learning.input_scaling import InputScaling
-from drakearm.task import RandomLoad, RandomMotorNoise, RandomStart
+from drakearm.task import RandomDelay, RandomLoad, RandomMotorNoise, RandomStart, RandomStrength
 
 SETTINGS = PpoSettings(batches=4, environments=3, steps=40, minibatches=2, epochs=2)
 DROPPED = ("steps_per_second", "seconds_left")
@@ -37,6 +37,13 @@ def diagrams(task):
     return SyncVectorEnv(envs, autoreset_mode=AutoresetMode.SAME_STEP)
 
 
+def varied_diagrams(task):
+    drawn = (RandomLoad(0.0, 2.0), RandomStrength(0.8, 1.2), RandomDelay(0.0, 0.03), RandomMotorNoise(0.2))
+    task = replace(task, randomization=drawn)
+    envs = [lambda: make_task_env([task, replace(task, load_mass=1.0)])] * SETTINGS.environments
+    return SyncVectorEnv(envs, autoreset_mode=AutoresetMode.SAME_STEP)
+
+
 def weights(policy):
     return np.concatenate([array.ravel() for array in policy.weights.values()])
 
@@ -53,7 +60,7 @@ def stopped_after(batch):
     return stop
 
 
-@pytest.mark.parametrize("make_envs", [arms, varied_arms, diagrams])
+@pytest.mark.parametrize("make_envs", [arms, varied_arms, diagrams, varied_diagrams])
 @pytest.mark.parametrize("final_std", [0.01, None])
 def test_a_continued_training_ends_with_the_same_policy(task, tmp_path, make_envs, final_std):
     """Stopped twice, in new environments each time, in the middle of the arms' episodes."""
@@ -120,6 +127,9 @@ def test_another_training_is_refused(task, tmp_path):
         train(arms(task), SETTINGS, seed=6, metadata={}, resume_path=file)
     with pytest.raises(TrainingError, match="another settings"):
         train(arms(task), replace(SETTINGS, epochs=3), seed=5, metadata={}, resume_path=file)
+    named = r"settings.batches \(4 instead of 9\) and settings.epochs \(2 instead of 3\) and metadata.name"
+    with pytest.raises(TrainingError, match=f"another {named}"):
+        train(arms(task), replace(SETTINGS, batches=9, epochs=3), seed=5, metadata={"name": "other"}, resume_path=file)
 
 
 @pytest.mark.parametrize("content", [b"", b"no checkpoint", b"\x08\x00\x00\x00\x00\x00\x00\x00{}      "])

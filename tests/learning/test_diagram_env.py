@@ -11,9 +11,10 @@ from pydrake.systems.primitives import Integrator
 
 from drakearm.diagrams import MakePolicyLoop, MakeTrackingTask
 from drakearm.errors import ActionError
+from drakearm.experiments import make_task_env
 from drakearm.learning import DiagramEnv
-from drakearm.model.reference import CONTROL_STEP
-from drakearm.task import ReferenceStart
+from drakearm.model.reference import CONTROL_STEP, Reference
+from drakearm.task import RandomDelay, RandomLoad, RandomMotorNoise, RandomStrength, ReferenceStart
 
 
 def make(task):
@@ -100,6 +101,35 @@ def test_environment_and_closed_loop_are_the_same_arm(task):
         np.testing.assert_array_equal(info["arm_state"][:2], recording.q[k])
         np.testing.assert_array_equal(info["activation"], recording.activation[k])
         assert reward == recording.reward[k]
+
+
+def test_the_state_is_a_copy_that_restores_all_that_was_drawn(task):
+    """Load, strength, delay, motor noise and the reference of an episode come back with it, also in another object."""
+    drawn = (RandomLoad(0.0, 5.0), RandomStrength(0.5, 1.5), RandomDelay(0.0, 0.05), RandomMotorNoise(0.5))
+    short = Reference(*(getattr(task.reference, name)[:60] for name in ("t", "q", "v", "a", "tau")))
+    tasks = [replace(task, randomization=drawn), replace(task, randomization=drawn, reference=short)]
+    env, other = make_task_env(tasks), make_task_env(tasks)
+    actions = np.random.default_rng(0).random((100, 14))
+
+    def run(env):
+        steps = []
+        for action in actions:
+            observation, reward, _, truncated, _ = env.step(action)
+            steps.append(np.append(observation, (reward, truncated)))
+            if truncated:
+                steps.append(np.append(env.reset()[0], (0.0, 0.0)))
+        return np.array(steps)
+
+    for seed in range(3):
+        env.reset(seed=seed)
+        for action in actions[:20]:
+            env.step(action)
+        state = env.state
+        first = run(env)
+        other.reset(seed=77)
+        for again in (env, other):
+            again.state = state
+            np.testing.assert_array_equal(run(again), first)
 
 
 class _EndsAbove(LeafSystem):

@@ -38,3 +38,10 @@ def test_a_folded_network_computes_the_same_from_unscaled_observations(observati
 def test_no_scaling_changes_nothing(observations):
     scaling = InputScaling.none(3)
     np.testing.assert_array_equal(scaling(observations.numpy()), observations.numpy())
+
+
+def test_unfolding_is_the_opposite_of_folding(observations):
+    scaling, rng = InputScaling.of(observations.numpy()), np.random.default_rng(1)
+    weight, bias = rng.normal(size=(4, 3)).astype(np.float32), rng.normal(size=4).astype(np.float32)
+    for ours, expected in zip(scaling.unfolded(*scaling.folded(weight, bias)), (weight, bias), strict=True):
+        np.testing.assert_allclose(ours, expected, rtol=1e-5, atol=1e-5)

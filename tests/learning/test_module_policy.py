@@ -35,6 +35,26 @@ class Residual(nn.Module):
         return self.straight(x) + self.bent(x)
 
 
+class Remembers(nn.Module):
+    """A recurrent network that keeps its state from call to call."""
+
+    def __init__(self, inputs, outputs):
+        super().__init__()
+        self.recurrent, self.last, self.state = nn.GRU(inputs, 16), nn.Linear(16, outputs), None
+
+    def forward(self, x):
+        outputs, self.state = self.recurrent(x[None], self.state)
+        return self.last(outputs[0])
+
+
+def dropout(inputs, outputs):
+    return nn.Sequential(nn.Linear(inputs, 16), nn.Dropout(0.5), nn.Linear(16, outputs))
+
+
+def normalized(inputs):
+    return nn.Sequential(nn.BatchNorm1d(inputs), nn.Linear(inputs, 1))
+
+
 def networks(n_observations, n_actions):
     return Residual(n_observations, n_actions), Residual(n_observations, 1)
 
@@ -71,7 +91,9 @@ def test_a_file_holds_the_policy(tmp_path):
     assert loaded.value(observation).shape == (3, 4) and loaded.metadata == {"name": "own"}
     sampled = [loaded.act(observation, np.random.default_rng(seed)) for seed in (0, 0, 1)]
     assert (sampled[0] == sampled[1]).all() and (sampled[0] != sampled[2]).any()
-    with pytest.raises(PolicyFileError, match="not a drakearm policy"):
+    with pytest.raises(
+        PolicyFileError, match=r"not a drakearm policy .* it is a ModulePolicy, which `ModulePolicy.load"
+    ):
         Policy.load(file)
     with pytest.raises(PolicyFileError, match="the function that makes the networks"):
         ModulePolicy.load(file)
@@ -87,6 +109,12 @@ def test_a_file_holds_the_policy(tmp_path):
         (lambda n, m: (nn.Linear(n, m + 1), nn.Linear(n, 1)), r"actor makes outputs of shape \(2, 2\).*\(2, 1\)"),
         (lambda n, m: (nn.Linear(n, m), nn.Linear(n, 2)), r"critic makes outputs of shape \(2, 2\)"),
         (lambda n, m: (nn.Linear(n + 1, m), nn.Linear(n, 1)), "actor cannot take 2 observations of length 2"),
+        (
+            lambda n, m: (Remembers(n, m), nn.Linear(n, 1)),
+            "actor computes different outputs .* no memory between steps",
+        ),
+        (lambda n, m: (dropout(n, m), nn.Linear(n, 1)), "actor computes something else in training mode .* dropout"),
+        (lambda n, m: (nn.Linear(n, m), normalized(n)), "critic computes something else in training mode .* dropout"),
     ],
 )
 def test_networks_that_do_not_fit_are_refused(own, reason):
@@ -119,3 +147,14 @@ def test_autograds_passes_are_those_by_hand():
     for outputs, gradient in found[1:]:
         torch.testing.assert_close(outputs, found[0][0])
         torch.testing.assert_close(gradient, found[0][1], rtol=1e-4, atol=1e-5)
+
+
+def test_a_training_can_start_from_a_policy_with_own_networks():
+    first = learn(2)
+    observation = np.random.default_rng(0).normal(size=(5, 2))
+    settings = replace(SETTINGS, batches=1, critic_share=1.0)
+    envs = vectorize(Tracker, n=8)
+    warm = train(envs, settings, seed=9, networks=networks, initial_policy=first)
+    np.testing.assert_array_equal(warm.act(observation), first.act(observation))
+    with pytest.raises(TrainingError, match="The actor of the initial policy has the weights"):
+        train(envs, settings, seed=9, initial_policy=first)

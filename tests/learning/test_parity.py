@@ -160,3 +160,26 @@ def test_senses_that_are_always_late(task):
 def beginning(reference, steps):
     """The first control steps of a reference."""
     return replace(reference, **{name: getattr(reference, name)[: steps + 1] for name in ("t", "q", "v", "a", "tau")})
+
+
+@dataclass(frozen=True)
+class LittleMetabolism(Reward):
+    """A user's reward: minus the metabolic power, and more of it for weak muscles and heavy loads."""
+
+    type = "test_little_metabolism"
+    reads = ("metabolic_power", "strength", "load_mass")
+
+    def __call__(self, *signals):
+        power, strength, load_mass = signals
+        return -(power / strength).sum(axis=-1) * (1.0 + load_mass[..., 0])
+
+
+def test_senses_and_rewards_can_be_told_the_episode_and_the_metabolic_power(task):
+    drawn = (RandomLoad(0.0, 3.0), WeakFlexors(), RandomMotorNoise(0.3))
+    told = tuple(Sense(name, scale=lambda arm: 0.1) for name in ("metabolic_power", "strength", "load_mass"))
+    own = replace(task, senses=told, reward=LittleMetabolism())
+    for tasks in ([own, replace(own, load_mass=1.0)], [replace(own, randomization=drawn)] * 2):
+        envs = ArmVectorEnv(tasks, 2)
+        assert envs.single_observation_space.shape == (14 + 14 + 1,)
+        actions = draw_actions("uniform", len(task.reference.t) - 1 + BEYOND, 2)
+        assert_parity(["told"] * 2, envs, diagrams(tasks), actions, seed=7)

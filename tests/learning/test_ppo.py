@@ -180,3 +180,39 @@ def test_the_learning_rate_holds_the_divergence():
 def test_an_impossible_seed_is_refused(seed):
     with pytest.raises(TrainingError, match="expected a whole number from 0"):
         train(vectorize(Counter), SMALL, seed=seed, metadata={})
+
+
+def test_on_batch_can_end_the_training(tmp_path):
+    """The policy is that after the batch, and the files are written; paths may be texts."""
+    files = {"log_path": str(tmp_path / "log.csv"), "checkpoint_path": str(tmp_path / "policy.safetensors")}
+    policy = train(vectorize(Tracker), SMALL, seed=0, on_batch=lambda report: report.batch < 2, **files)
+    observation = np.array([0.1, 0.2])
+    np.testing.assert_array_equal(
+        Policy.load(tmp_path / "policy.safetensors").act(observation), policy.act(observation)
+    )
+    assert len((tmp_path / "log.csv").read_text().splitlines()) == 1 + 2
+    assert (train(vectorize(Tracker), SMALL, seed=0).act(observation) != policy.act(observation)).any()
+
+
+def test_a_training_can_start_from_a_policy():
+    """While only the critic learns, the actor is that of the policy: weights and scaling of inputs fit each other."""
+    first = train(vectorize(Tracker), SMALL, seed=0)
+    observation = np.random.default_rng(0).normal(size=(20, 2))
+    settings = replace(SMALL, batches=1, critic_share=1.0, critic_learning_rate=1e-9)
+    warm = train(vectorize(Tracker), settings, seed=5, initial_policy=first)
+    np.testing.assert_allclose(warm.act(observation), first.act(observation), atol=1e-5)
+    np.testing.assert_allclose(warm.value(observation), first.value(observation), atol=1e-4)
+    with pytest.raises(TrainingError, match=r"The actor of the initial policy has the weights .*\(16, 2\): expected"):
+        train(vectorize(Tracker), replace(settings, actor_layers=(8,)), seed=5, initial_policy=first)
+    with pytest.raises(TrainingError, match=r"observations and actions of the shapes \(2,\) .*: expected \(1,\)"):
+        train(vectorize(Counter), settings, seed=5, initial_policy=first)
+
+
+def test_other_things_than_vector_environments_are_refused():
+    with pytest.raises(TrainingError, match=r"PPO needs a vector environment, .* was given Tracker"):
+        train(Tracker(), SMALL, seed=0)
+
+
+def test_imitation_without_tasks_is_refused():
+    with pytest.raises(TrainingError, match="ask for 4 rounds of imitation, but SyncVectorEnv has no tasks"):
+        train(vectorize(Tracker), replace(SMALL, imitation_rounds=4), seed=0)
