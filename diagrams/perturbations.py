@@ -7,7 +7,6 @@ from typing import Annotated
 import numpy as np
 import scipy
 from pydantic import Discriminator, Field, Tag, ValidationError, field_validator
-from pydantic.dataclasses import dataclass
 from pydrake.common import RandomDistribution
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, LinearTransformDensity, Saturation, SparseMatrixGain, TrajectorySource
@@ -16,7 +15,8 @@ from pydrake.trajectories import PiecewisePolynomial
 from drakearm.diagrams.muscle_arm import TIME_STEP, MuscleArm
 from drakearm.diagrams.perturbation import Perturbation
 from drakearm.errors import TaskError, did_you_mean, shown
-from drakearm.files.fields import STRICT, Finite, NonNegative, PlainText, Positive
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Finite, NonNegative, PlainText, Positive
 from drakearm.model import Arm, Muscle
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.systems.delay_line import DelayLine
@@ -31,7 +31,7 @@ _LEAST_FORCE = 1e-6  # N, the least maximum isometric force that a `Muscle` can 
 _Torque = Annotated[Finite, Field(ge=-1e4, le=1e4)]  # Nm
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class ExtraLoad(Perturbation):
     """A mass in the hand, beside the load that the controller knows."""
 
@@ -42,7 +42,7 @@ class ExtraLoad(Perturbation):
         return replace(task, load_mass=task.load_mass + self.mass)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Strength(Perturbation):
     """Muscles with other maximum isometric forces. Their tendons become as much stiffer as the muscles get stronger.
 
@@ -81,7 +81,7 @@ class Strength(Perturbation):
                 ) from error
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class MotorNoise(Perturbation):
     """Noise on excitations that grows with them: signal-dependent noise (Harris and Wolpert 1998).
 
@@ -107,7 +107,7 @@ class MotorNoise(Perturbation):
         return noisy.get_output_port_w_out()
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class SensorDelay(Perturbation):
     """What the controller senses of its body is late. Until the delay has passed, it senses the start."""
 
@@ -131,7 +131,7 @@ class SensorDelay(Perturbation):
         return line.GetOutputPort("delayed_u")
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Push(Perturbation):
     """A torque on the joints for some time."""
 

@@ -7,16 +7,16 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 from pydrake.symbolic import Expression, Variable
 
 from drakearm.diagrams.perturbation import Perturbation
-from drakearm.files.fields import STRICT, Degrees, NonNegative
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Degrees, NonNegative
 from drakearm.model.reference import Reference
 from drakearm.task import Start, StartState, TrackingTask
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class StartOffset(Perturbation):
     """All joint angles differ from the start that the controller knows. They stay in the ranges of the joints."""
 
@@ -27,7 +27,7 @@ class StartOffset(Perturbation):
         return replace(task, start=_Offset(task.start, np.deg2rad(self.angle_deg)))
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class StartNoise(Perturbation):
     """Normal noise on the joint angles and the activations of the start, beside the noise that the start has itself.
 

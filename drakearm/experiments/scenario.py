@@ -9,7 +9,6 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from pydantic import BeforeValidator, Field, InstanceOf, TypeAdapter, ValidationError, field_validator
-from pydantic.dataclasses import dataclass
 
 from drakearm.diagrams.perturbation import FilePerturbation
 from drakearm.errors import ScenarioError
@@ -17,7 +16,8 @@ from drakearm.experiments.catalog import find_scenario
 from drakearm.experiments.choices import Preset
 from drakearm.experiments.success import FOLLOWS, Success
 from drakearm.files import read_yaml
-from drakearm.files.fields import STRICT, FileName, NonNegative, PlainText
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import FileName, NonNegative, PlainText
 from drakearm.files.problems import file_error
 from drakearm.learning import PAPER, PpoSettings
 from drakearm.model import Arm, load_arm
@@ -37,7 +37,7 @@ def _read_reward(value: Any) -> Reward:
     return Reward.read(value)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Tracking:
     """What the arm senses and how it is rewarded during the training."""
 
@@ -53,7 +53,7 @@ class Tracking:
         return observation
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Scenario:
     """The content of a scenario file: one movement, and how to learn it."""
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, InstanceOf
-from pydantic.dataclasses import dataclass
 
 from drakearm.errors import ScenarioError
-from drakearm.files.fields import STRICT, Positive
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Positive
 from drakearm.files.kinds import Kind
 from drakearm.model.fields import Name
 from drakearm.model.recording import Recording
@@ -36,7 +36,7 @@ class SuccessCriterion(Kind):
 Success = Annotated[InstanceOf[SuccessCriterion], BeforeValidator(SuccessCriterion.read)]  # as a scenario file has it
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class JointError(SuccessCriterion):
     """The error of each joint is small: its mean or its largest during the movement, or that at the end."""
 
@@ -63,7 +63,7 @@ class JointError(SuccessCriterion):
                 )
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class HandAtGoal(SuccessCriterion):
     """At the end the tip of the hand is near to the place where the reference ends."""
 
@@ -74,7 +74,7 @@ class HandAtGoal(SuccessCriterion):
         return bool(metrics["hand_end_error_cm"] < 100.0 * self.within)
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class NoContact(SuccessCriterion):
     """No part of the arm's outline touches the obstacle at any time."""
 

@@ -17,7 +17,7 @@ class BatchReport:
     """
 
     batch: int  # from 1
-    batches: int
+    batches: int  # of the whole training
     steps: int  # transitions so far, over all environments
     steps_per_second: float  # in this batch, updates included
     seconds_left: float  # if the remaining batches take as long as those so far
@@ -29,7 +29,7 @@ class BatchReport:
     policy_loss: float  # mean of the actor's loss over all minibatches, see `ActorLearner`
     value_loss: float  # mean squared error of the critic, in the unit of returns squared
     entropy: float  # nats
-    std: float  # of the actions, mean over their elements
+    std: float  # standard deviation of the actions, in their unit, mean over their elements
 
 
 def csv_log(path: Path | None, finished: int, stack: ExitStack) -> Callable[[BatchReport], None]:

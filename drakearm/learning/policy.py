@@ -1,7 +1,9 @@
 """The policy: maps observations to actions, and is kept in a file. It is evaluated with NumPy alone."""
 
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -117,6 +119,37 @@ class Policy:
         data = safetensors.numpy.save(self.weights, {key: json.dumps(value) for key, value in header.items()})
         with replacement(Path(path)) as partial:
             partial.write_bytes(sorted_header(data))
+
+    @classmethod
+    def from_layers(
+        cls,
+        layers: Sequence[tuple[ArrayLike, ArrayLike]],
+        *,
+        std: float = 0.001,
+        metadata: dict[str, Any] | None = None,
+    ) -> "Policy":
+        """The policy of a network that was trained elsewhere: linear layers with tanh between them.
+
+        layers: weight (n, n_in) and bias (n,) of each layer, from observations to excitations, which are clipped to
+        0 and 1. std: standard deviation of the noise, where noise is asked for. The value of the policy is 0, because
+        it has learned no critic. Raises PolicyFileError if the layers do not fit each other.
+        """
+        arrays = [(np.array(weight, np.float32), np.array(bias, np.float32)) for weight, bias in layers]
+        fit = all(weight.ndim == 2 and weight.shape[:1] == bias.shape for weight, bias in arrays)
+        follow = all(after[0].shape[1:] == before[1].shape for before, after in pairwise(arrays))
+        if not (arrays and fit and follow):
+            shapes = ", ".join(f"{weight.shape} and {bias.shape}" for weight, bias in arrays) or "none"
+            raise PolicyFileError(
+                f"The layers have weights and biases of the shapes {shapes}: expected (n, n_in) and (n,), and n_in "
+                "outputs of the layer before."
+            )
+        n = len(arrays[-1][1])
+        weights = {"actor.log_std": np.full(n, math.log(std), np.float32)}
+        for number, (weight, bias) in enumerate(arrays):
+            weights |= {f"actor.mean.{2 * number}.weight": weight, f"actor.mean.{2 * number}.bias": bias}
+        weights["critic.value.0.weight"] = np.zeros((1, arrays[0][0].shape[1]), np.float32)
+        weights["critic.value.0.bias"] = np.zeros(1, np.float32)
+        return cls(weights, np.zeros(n), np.ones(n), metadata or {})
 
     @classmethod
     def load(cls, path: Path | str) -> "Policy":

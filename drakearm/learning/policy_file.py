@@ -13,12 +13,12 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError, field_validator, model_validator
-from pydantic.dataclasses import dataclass
 from safetensors import safe_open
 
 from drakearm.errors import PolicyFileError, shown
 from drakearm.files import parse_json
-from drakearm.files.fields import STRICT, Number, Whole
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Number, Whole
 from drakearm.files.problems import first_problem
 
 FORMAT = "drakearm-policy"
@@ -32,7 +32,7 @@ Layers = Annotated[tuple[Annotated[Whole, Field(gt=0, le=1024)], ...], Field(max
 _Bounds = Annotated[tuple[Number, ...], Field(min_length=1, max_length=1000)]
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class PolicyHeader:
     """Everything in a policy file but the weights. low and high, the bounds of the actions, may be infinite."""
 

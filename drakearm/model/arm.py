@@ -11,10 +11,10 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
-from pydantic.dataclasses import dataclass
 
 from drakearm.errors import did_you_mean, shown
-from drakearm.files.fields import STRICT, Degrees, Fraction, Number, Positive
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Degrees, Fraction, Number, Positive
 from drakearm.model.fields import Acceleration, Name, Point, each_once
 from drakearm.model.path_terms import AnyTerm, TensorTerm
 from drakearm.model.paths import make_path_table
@@ -39,7 +39,7 @@ def _within(low: float, high: float, unit: str = "") -> AfterValidator:
     return AfterValidator(check)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Muscle:
     """A Hill-type muscle. Units: m, N, s, rad, Pa; strains, shapes and fractions have no unit.
 
@@ -160,7 +160,7 @@ class Muscle:
         return MODELS[self.model].passive_constants(self.passive_strain, self.passive_shape)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Capsule:
     """A part of the arm's outline: all points within a radius of the straight line between two ends. Units: m."""
 
@@ -169,7 +169,7 @@ class Capsule:
     ends: tuple[Point, Point]
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Arm:
     """An arm: a skeleton file for Drake's Parser and the muscles on it. `load_arm` reads one from a folder."""
 

@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 from pydantic import TypeAdapter
-from pydantic.dataclasses import dataclass
 from pydrake.multibody.plant import MultibodyPlant
 
 from drakearm.errors import ArmError, PathError, shown
-from drakearm.files.fields import STRICT
+from drakearm.files.checked_dataclass import checked_dataclass
 from drakearm.model.arm import Arm, Muscle
 from drakearm.model.fit_cache import cached
 from drakearm.model.path_fit import PathFit, fit_paths
@@ -28,7 +27,7 @@ _LARGEST_LENGTH_ERROR = 1e-3  # m
 _LARGEST_ARM_ERROR = 0.05  # of the largest moment arm
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class FittedPath:
     """The path that was fitted to a muscle's points, and its largest errors over the ranges of the joints."""
 

@@ -4,19 +4,19 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import Field, field_validator
-from pydantic.dataclasses import dataclass
 from pydrake.geometry import Cylinder
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 
-from drakearm.files.fields import STRICT, Number, Positive, Vector
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Number, Positive, Vector
 
 _Place = Annotated[Number, Field(ge=-100.0, le=100.0)]  # m
 _Length = Annotated[Positive, Field(le=100.0)]  # m
 _COLOR = np.array([0.80, 0.36, 0.24, 1.0])
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class Obstacle:
     """A cylinder at rest in the world. Lengths in m. For the planner it has no ends: it is infinitely long."""
 

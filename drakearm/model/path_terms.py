@@ -4,9 +4,8 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo, field_validator
-from pydantic.dataclasses import dataclass
 
-from drakearm.files.fields import STRICT
+from drakearm.files.checked_dataclass import checked_dataclass
 from drakearm.model.bspline import Spline
 from drakearm.model.fields import Angle, Length, Name, each_once
 
@@ -38,7 +37,7 @@ def _tuples(value: Any) -> Any:
     return tuple(_tuples(each) for each in value) if isinstance(value, list) else value
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class PathTerm:
     """The part of a musculotendon length (m) that depends on one coordinate (rad).
 
@@ -71,7 +70,7 @@ class PathTerm:
         return (_range(self.knots, len(self.coefficients)),)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class TensorTerm:
     """The part of a musculotendon length (m) that depends on two or three coordinates (rad) together.
 

@@ -4,15 +4,15 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
-from pydantic.dataclasses import dataclass
 
-from drakearm.files.fields import STRICT, Positive
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Positive
 from drakearm.model.fields import Name, Position
 
 _PARALLEL = 1e-3  # sine of the least angle between the side and the axis of a cylinder
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Surface:
     """A cylinder without ends, or a sphere. Units: m.
 

@@ -4,10 +4,10 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import BeforeValidator, InstanceOf
-from pydantic.dataclasses import dataclass
 from pydrake.solvers import Binding
 
-from drakearm.files.fields import STRICT, Degrees, NonNegative
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Degrees, NonNegative
 from drakearm.files.kinds import Kind
 from drakearm.planning.problem import Problem
 
@@ -34,7 +34,7 @@ class CostPiece(Kind):
 Cost = Annotated[InstanceOf[CostPiece], BeforeValidator(CostPiece.read)]  # as a scenario file has it: see `Kind.read`
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class Posture(CostPiece):
     """Distance to the target and speed, both squared, during the movement (integrated over time) and at its end."""
 
@@ -56,7 +56,7 @@ class Posture(CostPiece):
         return [*costs, error(final, len(problem.times) - 1)]
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class SwitchedTarget(CostPiece):
     """Distance to a set point, squared and integrated over time: first to a posture of its own, later to the target.
 
@@ -79,7 +79,7 @@ class SwitchedTarget(CostPiece):
         ]
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class Torque(CostPiece):
     """The joint torques squared, integrated over time."""
 
@@ -95,7 +95,7 @@ class Torque(CostPiece):
         ]
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class TorqueRate(CostPiece):
     """The rate of the joint torques squared, integrated over time.
 
@@ -119,7 +119,7 @@ class TorqueRate(CostPiece):
         return costs
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class HeldJoint(CostPiece):
     """The distance of one joint from an angle, squared and integrated over time: holds the joint there."""
 
@@ -137,7 +137,7 @@ class HeldJoint(CostPiece):
         ]
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class Duration(CostPiece):
     """The duration of the movement. Without it, a free duration becomes the longest one."""
 

@@ -5,11 +5,11 @@ from itertools import product
 import numpy as np
 import scipy
 from pydantic import field_validator
-from pydantic.dataclasses import dataclass
 from pydrake.solvers import Binding
 
 from drakearm.errors import PlanningError
-from drakearm.files.fields import STRICT, Finite, NonNegative
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Finite, NonNegative
 from drakearm.model.points import point_positions
 from drakearm.planning.costs import CostPiece
 from drakearm.planning.planning_model import PlanningModel
@@ -18,7 +18,7 @@ from drakearm.planning.problem import Problem
 _REACHED = 0.005  # m: a smaller distance from the position counts as reached
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class HandPosition(CostPiece):
     """Distance of the hand's tip from a point, squared, during the movement (integrated over time) and at its end."""
 
@@ -68,7 +68,7 @@ class HandPosition(CostPiece):
             )
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class ObstacleDistance(CostPiece):
     """Distance of the hand's tip from the obstacle's axis, squared and integrated over time.
 

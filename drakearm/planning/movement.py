@@ -4,16 +4,16 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
-from pydantic.dataclasses import dataclass
 
-from drakearm.files.fields import STRICT, Degrees, NonNegative, Positive, Whole
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Degrees, NonNegative, Positive, Whole
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.planning.costs import Cost
 
 _Duration = Annotated[Positive, Field(le=60.0)]  # s
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class Movement:
     """A movement that starts at rest. Its fields are those of the section `movement` of a scenario file.
 

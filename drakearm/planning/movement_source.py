@@ -5,10 +5,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, InstanceOf, field_validator, model_validator
-from pydantic.dataclasses import dataclass
 
 from drakearm.errors import PlanningError
-from drakearm.files.fields import STRICT, Degrees, NonNegative, Positive, Vector
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import Degrees, NonNegative, Positive, Vector
 from drakearm.files.kinds import Kind
 from drakearm.model import MakeTorqueArm
 from drakearm.model.arm import Arm
@@ -51,7 +51,7 @@ _Seconds = Annotated[Positive, Field(le=60.0)]
 _Kilograms = Annotated[NonNegative, Field(le=1000.0)]
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class Reaches(MovementSource):
     """Movements from rest at one posture to rest at another one. All numbers are drawn from ranges with equal chances.
 
@@ -109,7 +109,7 @@ class Reaches(MovementSource):
         return bool(np.all(p_WH >= lowest) and np.all(p_WH <= highest))
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@checked_dataclass(kw_only=True)
 class Mixture(MovementSource):
     """Movements of several sources. Each movement comes from one of them, which is drawn with the chances `shares`.
 

@@ -40,7 +40,8 @@ def held_out_errors(tasks: Sequence[TrackingTask], act: Act | None, *, random: b
     """The errors (K,) in one run of each of K tasks, without exploration: `mean` in rad, `hand` in cm.
 
     act: a policy, from observations (K, size) to excitations (K, n); None: static optimization that is told the load.
-    random: whether starts have noise and the tasks' randomization. seed: of that.
+    random: whether starts have their noise and the tasks their randomization; without it, both are left out. seed: of
+    that.
     """
     if not random:
         tasks = [replace(task, start=ReferenceStart(), randomization=()) for task in tasks]

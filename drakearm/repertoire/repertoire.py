@@ -7,11 +7,11 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from drakearm.experiments.catalog import find_file
 from drakearm.experiments.scenario import ArmName, Tracking, read_file
-from drakearm.files.fields import STRICT, FileName, PlainText, Whole
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import FileName, PlainText, Whole
 from drakearm.learning import PpoSettings
 from drakearm.model import Arm, Obstacle, load_arm
 from drakearm.model.reference import Reference
@@ -23,7 +23,7 @@ from drakearm.task.episode import Delay, FileRandomization
 _SHIPPED = Path(__file__).parent / "files"
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Movements:
     """Which movements are planned."""
 
@@ -32,7 +32,7 @@ class Movements:
     seed: Annotated[Whole, Field(ge=0, le=2**32 - 1)] = 0
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class Repertoire:
     """The content of a repertoire file."""
 

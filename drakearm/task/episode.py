@@ -8,10 +8,10 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, InstanceOf
-from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TaskError, shown
-from drakearm.files.fields import STRICT, NonNegative, Positive
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import NonNegative, Positive
 from drakearm.files.kinds import Kind
 from drakearm.model.reference import CONTROL_STEP
 from drakearm.task.starts import StartState
@@ -110,13 +110,13 @@ def _in_order(least: float, most: float) -> None:
         raise ValueError(f"found the range {least:g} to {most:g}, expected the smaller number first")
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomLoad(Randomization):
     """The mass in the hand, with equal chances for all masses of a range. It replaces the load of the task."""
 
     type = "load"
-    least: _Load  # kg
-    most: _Load  # kg
+    least: _Load  # kg, the smallest mass
+    most: _Load  # kg, the largest mass
 
     def __post_init__(self) -> None:
         _in_order(self.least, self.most)
@@ -125,13 +125,13 @@ class RandomLoad(Randomization):
         return episode._replace(load_mass=float(rng.uniform(self.least, self.most)))
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomStrength(Randomization):
     """One factor of the maximum isometric forces of all muscles, with equal chances for all factors of a range."""
 
     type = "strength"
-    least: _Strength
-    most: _Strength
+    least: _Strength  # the smallest factor; 1: the forces of the arm's file
+    most: _Strength  # the largest factor
 
     def __post_init__(self) -> None:
         _in_order(self.least, self.most)
@@ -140,12 +140,12 @@ class RandomStrength(Randomization):
         return episode._replace(strength=episode.strength * float(rng.uniform(self.least, self.most)))
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomStart(Randomization):
     """Offsets of the start, drawn for each joint: of its angle, and of its speed, with equal chances up to a limit."""
 
     type = "start"
-    angle_deg: Annotated[NonNegative, Field(le=90.0)] = 0.0  # the largest offset, in both directions
+    angle_deg: Annotated[NonNegative, Field(le=90.0)] = 0.0  # degrees, the largest offset, in both directions
     speed: Annotated[NonNegative, Field(le=100.0)] = 0.0  # rad/s, the largest offset, in both directions
 
     def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
@@ -155,13 +155,13 @@ class RandomStart(Randomization):
         return episode._replace(start=start._replace(q=q, v=v))
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomDelay(Randomization):
     """The delay of the senses, with equal chances for all whole control steps of a range."""
 
     type = "senses_delay"
-    least: Delay  # s
-    most: Delay  # s
+    least: Delay  # s, the shortest delay, rounded to whole control steps of 0.01 s
+    most: Delay  # s, the longest delay, rounded in the same way
 
     def __post_init__(self) -> None:
         _in_order(self.least, self.most)
@@ -171,7 +171,7 @@ class RandomDelay(Randomization):
         return episode._replace(senses_delay=int(steps) * CONTROL_STEP)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RandomMotorNoise(Randomization):
     """Noise on excitations that grows with them: signal-dependent noise (Harris and Wolpert 1998).
 
@@ -179,7 +179,7 @@ class RandomMotorNoise(Randomization):
     """
 
     type = "motor_noise"
-    share: Annotated[NonNegative, Field(le=_LARGEST_NOISE)]  # standard deviation of the noise over the excitation
+    share: Annotated[NonNegative, Field(le=_LARGEST_NOISE)]  # standard deviation over the excitation: 0.2 is 20 %
 
     def __call__(self, episode: Episode, rng: np.random.Generator) -> Episode:
         return episode._replace(motor_noise=self.share, noise_seed=int(rng.integers(2**32)))

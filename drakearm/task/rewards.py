@@ -7,10 +7,10 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from pydantic.dataclasses import dataclass
 
 from drakearm.errors import TaskError
-from drakearm.files.fields import STRICT, NonNegative
+from drakearm.files.checked_dataclass import checked_dataclass
+from drakearm.files.fields import NonNegative
 from drakearm.files.kinds import Kind
 from drakearm.model.arm import Arm
 
@@ -56,7 +56,7 @@ def check_computed(reward: Reward, computed: Any, arms: int | None = None) -> An
     return values
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class RewardWeights(Reward):
     """The reward of eq. 6 of Denizdurduran et al. (2022), with three weights per coordinate j:
 
@@ -90,7 +90,7 @@ class RewardWeights(Reward):
         return -(self._weights * penalized**2).sum(axis=-1)
 
 
-@dataclass(frozen=True, config=STRICT)
+@checked_dataclass()
 class AbsoluteErrors(Reward):
     """Minus the weighted absolute errors, with two weights per coordinate j:
 

@@ -132,6 +132,25 @@ def test_metadata_that_json_cannot_hold_is_refused_at_once(policy):
         Policy(policy.weights, policy.low, policy.high, {"seed": np.int64(1)})
 
 
+def test_a_policy_from_layers_computes_what_they_do(networks, observations, tmp_path):
+    linear = [module for module in networks[0].mean if hasattr(module, "weight")]
+    layers = [(module.weight.detach().numpy(), module.bias.detach().numpy()) for module in linear]
+    policy = Policy.from_layers(layers, std=0.5, metadata=METADATA)
+    with torch.no_grad():
+        expected = networks[0](torch.tensor(observations, dtype=torch.float32)).clamp(0.0, 1.0)
+    np.testing.assert_allclose(policy.act(observations), expected, atol=1e-6)
+    assert not policy.value(observations).any()
+    policy.save(tmp_path / "policy.safetensors")
+    loaded = Policy.load(tmp_path / "policy.safetensors")
+    np.testing.assert_array_equal(loaded.act(observations), policy.act(observations))
+
+
+@pytest.mark.parametrize("shapes", [[], [((4, 5), (3,))], [((4, 5), (4,)), ((3, 5), (3,))], [((5,), (5,))]])
+def test_layers_that_do_not_fit_each_other_are_refused(shapes):
+    with pytest.raises(PolicyFileError, match=r"expected \(n, n_in\)"):
+        Policy.from_layers([(np.zeros(weight), np.zeros(bias)) for weight, bias in shapes])
+
+
 def test_load_names_a_missing_file(tmp_path):
     with pytest.raises(PolicyFileError, match=r"no policy file .*absent"):
         Policy.load(tmp_path / "absent")
