@@ -44,7 +44,7 @@ def main(settings: PpoSettings) -> float:
     scenario = load_scenario("timing-0.7s")
     task = scenario.task(plan(load_arm("arm14"), scenario.movement).reference)
     task = replace(task, senses=(*OBSERVATIONS["full"], POWER), reward=TrackWithLittleEffort(0.01), start=Anywhere())
-    policy = train(ArmVectorEnv(task, settings.environments), settings, seed=0, metadata={})
+    policy = train(ArmVectorEnv(task, settings.environments), settings, seed=0)
     env = make_task_env(task)
     observation, _ = env.reset(seed=0)
     total, ended = 0.0, False
