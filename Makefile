@@ -24,14 +24,17 @@ SOURCES := $(sort $(shell find drakearm systems diagrams -name '*.py' -o -name '
 # The editable install links each file, so it is repeated when the list of files changes.
 LINKED := $(VENV)/linked-$(shell echo $(SOURCES) | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-cpus fuzz faults lint docs bench pictures clean
+.PHONY: demo test test-extra test-cpus fuzz faults lint docs bench pictures clean
 
 demo: $(LINKED) ## plan, train, evaluate and replay one movement
 	$(BIN)/drakearm run timing-0.7s
 
 # Three workers for two cores: many tests wait for processes that they started.
-test: $(LINKED) ## all tests, in parallel
-	$(BIN)/pytest -n 3 --dist worksteal
+test: $(LINKED) ## the tests of the code, in parallel
+	$(BIN)/pytest -n 3 --dist worksteal -m 'not extra'
+
+test-extra: $(LINKED) ## that documentation, benchmarks and the release work, and what attacks and cold caches do
+	$(BIN)/pytest -n 3 --dist worksteal -m extra
 
 test-cpus: $(LINKED) ## the quick tests as on other processors: PyTorch without vectors, then Numba with AVX2 at most
 	ATEN_CPU_CAPABILITY=default $(BIN)/pytest -n 2 -m 'not slow'

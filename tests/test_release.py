@@ -15,7 +15,7 @@ import yaml
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("drakearm", "systems", "diagrams")
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.extra]
 
 
 def run(*command, cwd, **variables) -> str:

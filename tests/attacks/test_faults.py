@@ -7,7 +7,7 @@ import pytest
 
 from tests.attacks.faults import Attack
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.extra]
 
 
 @pytest.fixture(scope="module")

@@ -19,6 +19,7 @@ SEED = 3
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_every_malformed_file_is_accepted_or_refused_in_one_sentence():
     rows = run(choose_cases(200, SEED), jobs=2)
     assert [other for row in rows.values() for other in row.others] == []

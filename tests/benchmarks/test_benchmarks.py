@@ -52,6 +52,7 @@ def assert_finite_table(output: str) -> list[list[str]]:
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_benchmark_prints_its_table(script):
     done = run_quick(script)
@@ -63,6 +64,7 @@ def test_benchmark_prints_its_table(script):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_planning_compares_with_do_mpc():
     if not find_spec("do_mpc"):
         pytest.skip("do-mpc is not installed, so there is nothing to compare planning with")
@@ -91,6 +93,7 @@ def test_opensim_says_what_is_missing(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_make_results_prints_its_page():
     before = (DOCS / "results.md").read_text()
     done = run_quick(DOCS / "make_results.py")
@@ -105,6 +108,7 @@ def test_the_page_of_results_is_the_one_that_the_script_writes():
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_make_policies_ships_a_policy():
     done = run_quick(DOCS / "make_policies.py")
     assert done.returncode == 0, done.stderr
@@ -112,6 +116,7 @@ def test_make_policies_ships_a_policy():
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @needs_chromium
 def test_make_pictures_makes_a_picture():
     done = run_quick(DOCS / "make_pictures.py")

@@ -25,6 +25,7 @@ PAGES = [name for name in names_of(DOCS.glob("*.md")) if name not in TESTED_BY_T
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @pytest.mark.parametrize("name", [*PAGES, *HOW_TOS])
 def test_the_code_blocks_run_in_order(name, tmp_path):
     script = tmp_path / "page.py"

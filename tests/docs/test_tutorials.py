@@ -10,6 +10,7 @@ TUTORIALS = sorted((Path(__file__).parents[2] / "docs" / "tutorials").glob("*.ip
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @pytest.mark.parametrize("file", TUTORIALS, ids=lambda file: file.stem)
 def test_a_tutorial_runs_and_shows_a_replay(file, tmp_path):
     notebook = nbformat.read(file, as_version=4)

@@ -46,6 +46,7 @@ def run_with_cache(folder, one_core=False) -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system cannot keep a process on one core")
 def test_a_cold_and_a_warm_cache_and_one_and_more_threads_give_the_same_policy(tmp_path):
     cold = run_with_cache(tmp_path)

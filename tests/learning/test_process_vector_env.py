@@ -21,6 +21,14 @@ COUNTERS = [partial(Counter, length=length, terminates=length % 2 == 0) for leng
 
 
 @pytest.fixture(autouse=True)
+def interruptible():
+    """A shell that starts the tests in the background lets them ignore Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture(autouse=True)
 def no_process_is_left():
     before = set(multiprocessing.active_children())
     yield

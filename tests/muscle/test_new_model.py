@@ -71,6 +71,7 @@ def name_in_models(file):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_new_model_takes_three_files(tmp_path):
     for folder in ("drakearm", "systems", "diagrams"):
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))

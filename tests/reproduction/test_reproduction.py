@@ -106,6 +106,7 @@ def on_cluster(backend, static, scenario, folder):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_dask_cluster(static, scenario, tmp_path):
     distributed = pytest.importorskip("distributed")
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
@@ -116,6 +117,7 @@ def test_dask_cluster(static, scenario, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_ray_cluster(static, scenario, tmp_path):
     ray = pytest.importorskip("ray")
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
