@@ -74,6 +74,7 @@ def test_two_scenarios_of_one_name_are_refused(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_plan_all_plans_every_shipped_scenario(tmp_path):
     printed = plan("all", "--out", tmp_path)
     summary = f"{len(scenario_files())} of {len(scenario_files())} movements planned"

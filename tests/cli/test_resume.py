@@ -78,6 +78,7 @@ def test_another_setup_is_refused(quick, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_kills_at_random_moments(whole, quick, tmp_path):
     chance = random.Random(2)
     drakearm("plan", quick, "--out", tmp_path)

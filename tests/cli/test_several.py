@@ -89,6 +89,7 @@ def test_runs_have_the_names_of_the_scenarios(two, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_the_example_of_the_documentation_works(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[2] / "docs" / "commands.md").read_text(encoding="utf-8")

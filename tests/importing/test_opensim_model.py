@@ -197,6 +197,8 @@ def test_arm26_is_as_close_as_other_converters_and_closer(tmp_path):
     assert error.mean() < 0.46e-3 and np.median(error) < 5e-6
 
 
+@pytest.mark.slow
+@pytest.mark.extra
 def test_the_papers_arm_is_what_drakearm_ships(tmp_path, oracle):
     """Bodies and parameters are equal, and paths no farther from OpenSim than in the table of docs/validation.md."""
     limb, arm = imported(shared("arm14/14muscles.osim"), tmp_path / "arm14", tip=("hand", (0.0, -0.1, 0.0)))
