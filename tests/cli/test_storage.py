@@ -35,6 +35,7 @@ def _obey_permissions():
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @pytest.mark.parametrize("step", STEPS)
 def test_a_read_only_folder_is_one_sentence(run, tiny, step):
     before = contents(run)

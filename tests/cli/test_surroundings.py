@@ -35,6 +35,8 @@ def test_a_reader_that_leaves_is_no_error():
     assert (code, errors) == (1, "")
 
 
+@pytest.mark.slow
+@pytest.mark.extra
 def test_closed_streams_are_no_error_and_no_file_takes_their_place(tmp_path):
     picture = tmp_path / "arm.png"
     command = f'exec {sys.executable} -m drakearm.cli inspect arm14 --out "{picture}" <&- >&- 2>&-'
@@ -42,6 +44,8 @@ def test_closed_streams_are_no_error_and_no_file_takes_their_place(tmp_path):
     assert imread(picture).ndim == 3
 
 
+@pytest.mark.slow
+@pytest.mark.extra
 def test_characters_that_the_output_lacks_are_replaced():
     code, output, errors = finish("--help", env={**os.environ, "PYTHONIOENCODING": "ascii", "COLUMNS": "80"})
     assert (code, errors) == (0, "") and "human arm" in output
@@ -49,6 +53,8 @@ def test_characters_that_the_output_lacks_are_replaced():
     assert code == 1 and errors.startswith("error: There is no scenario")
 
 
+@pytest.mark.slow
+@pytest.mark.extra
 @pytest.mark.parametrize("home", [None, "below a file"])
 def test_no_home(tmp_path, home):
     """The compiled functions are those of the other tests, so that they need not be compiled."""
