@@ -33,7 +33,7 @@ demo: $(LINKED) ## plan, train, evaluate and replay one movement
 test: $(LINKED) ## the tests of the code, in parallel
 	$(BIN)/pytest -n 3 --dist worksteal -m 'not extra'
 
-test-extra: $(LINKED) ## that documentation, benchmarks and the release work, and what attacks and cold caches do
+test-extra: $(LINKED) ## documentation, pages in a browser, benchmarks, the release, sweeps and attacks
 	$(BIN)/pytest -n 3 --dist worksteal -m extra
 
 test-cpus: $(LINKED) ## the quick tests as on other processors: PyTorch without vectors, then Numba with AVX2 at most

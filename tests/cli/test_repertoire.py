@@ -19,6 +19,7 @@ def test_move_refuses_with_one_sentence(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 def test_a_repertoire_is_planned_and_learned(small, tmp_path):  # noqa: F811
     file = tmp_path / "learned" / "library.npz"
     assert "2 movements" in drakearm("plan-library", small, "--out", file)

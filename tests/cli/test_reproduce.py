@@ -60,6 +60,7 @@ def stop(signal_number, file, *arguments):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @pytest.mark.usefixtures("registered")
 def test_a_stopped_reproduction_is_completed(scenario, tmp_path):
     small = ("reproduce", "small", "--batches", BATCHES)

@@ -19,7 +19,7 @@ from drakearm.repertoire.planned import PlannedMovement
 from drakearm.repertoire.shipped import policy_and_repertoire
 from tests.browser import needs_chromium, visit
 
-pytestmark = [pytest.mark.slow, needs_chromium]
+pytestmark = [pytest.mark.slow, pytest.mark.extra, needs_chromium]
 
 
 def until(page, condition, step):

@@ -15,7 +15,7 @@ from tests.browser import needs_chromium, visit
 from tests.recordings import still_recording
 
 SAMPLES = 41
-pytestmark = [pytest.mark.slow, needs_chromium]
+pytestmark = [pytest.mark.slow, pytest.mark.extra, needs_chromium]
 
 
 @pytest.fixture(scope="module")

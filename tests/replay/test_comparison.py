@@ -66,6 +66,7 @@ def seek(visited, seconds):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @needs_chromium
 def test_it_loads_alone_and_without_an_error(opened, page):
     assert opened.errors == []
@@ -82,6 +83,7 @@ def test_it_loads_alone_and_without_an_error(opened, page):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @needs_chromium
 def test_both_scenes_have_one_clock(opened):
     seek(opened, 0.15)
@@ -99,6 +101,7 @@ def test_both_scenes_have_one_clock(opened):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @needs_chromium
 @pytest.mark.parametrize(("name", "width", "height"), [("desktop", 1280, 800), ("phone", 400, 800)])
 def test_both_scenes_have_the_same_size_and_stand_side_by_side(page, name, width, height):

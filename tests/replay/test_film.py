@@ -29,6 +29,7 @@ def page(tmp_path_factory):
 
 
 @pytest.mark.slow
+@pytest.mark.extra
 @needs_chromium
 def test_a_picture_and_a_film_show_the_movement(page, tmp_path):
     for name, at in (("start.png", 0.0), ("end.png", 0.1)):
