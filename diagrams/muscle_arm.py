@@ -12,6 +12,7 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, MatrixGain
 
+from drakearm.diagrams.connections import reroute
 from drakearm.errors import ArmError, StateError, shown
 from drakearm.model import Arm
 from drakearm.model.equilibrium import Equilibrium, find_equilibrium
@@ -55,6 +56,10 @@ class MuscleArm:
         StateError for arrays of another size, numbers that are not finite and activations outside of 0..1, and
         EquilibriumError if a muscle has no equilibrium.
         """
+        self._set_joints(root_context, q, v)
+        self.muscles.SetEquilibrium(self.muscles.GetMyMutableContextFromRoot(root_context), q, activation)
+
+    def _set_joints(self, root_context: Context, q: np.ndarray, v: np.ndarray | None = None) -> None:
         n_q = len(self.arm.coordinates)
         q = np.asarray(q, dtype=float)
         v = np.zeros(n_q) if v is None else np.asarray(v, dtype=float)
@@ -64,7 +69,6 @@ class MuscleArm:
         state = self.plant.GetPositionsAndVelocities(context)
         state[self._state_index] = np.concatenate([q, v])
         self.plant.SetPositionsAndVelocities(context, state)
-        self.muscles.SetEquilibrium(self.muscles.GetMyMutableContextFromRoot(root_context), q, activation)
 
     def SetBody(self, root_context: Context, load_mass: float, strength: float | np.ndarray) -> None:
         """Sets the load (kg) and the factors of the maximum isometric forces, one number or (n,).
@@ -89,12 +93,13 @@ class MuscleArm:
         muscles hold all that the plant has on the arm in this context, with their strength in it. least: of all
         activations, see `find_equilibrium`, whose errors it raises.
         """
-        self.SetState(root_context, q)
+        self._set_joints(root_context, q)
         context = self.plant.GetMyContextFromRoot(root_context)
         torque = inverse_dynamics(self.plant, context, np.zeros(self.plant.num_velocities()))[self._v_index]
         strength = self.muscles.GetStrength(self.muscles.GetMyContextFromRoot(root_context))
         equilibrium = find_equilibrium(self.arm, q, torque=torque, strength=strength, least=least)
-        self.SetState(root_context, q, activation=equilibrium.activation)
+        muscle_context = self.muscles.GetMyMutableContextFromRoot(root_context)
+        self.muscles.SetEquilibrium(muscle_context, q, equilibrium.activation)
         return equilibrium
 
     def AddTorque(self, builder: DiagramBuilder, torque: OutputPort) -> None:
@@ -103,13 +108,14 @@ class MuscleArm:
         Call it before the Diagram is built; a second call adds more.
         """
         joints, name = self.plant.get_applied_generalized_force_input_port(), f"{torque.get_system().get_name()}_torque"
-        system, index = builder.connection_map()[self.plant, joints.get_index()]
-        before = system.get_output_port(index)
-        builder.Disconnect(before, joints)
-        total = builder.AddNamedSystem(f"{name}_added", Adder(2, joints.size()))
-        builder.Connect(before, total.get_input_port(0))
-        builder.Connect(_on_joints(builder, self, torque, name), total.get_input_port(1))
-        builder.Connect(total.get_output_port(), joints)
+
+        def with_torque(before: OutputPort) -> OutputPort:
+            total = builder.AddNamedSystem(f"{name}_added", Adder(2, joints.size()))
+            builder.Connect(before, total.get_input_port(0))
+            builder.Connect(_on_joints(builder, self, torque, name), total.get_input_port(1))
+            return total.get_output_port()
+
+        reroute(builder, joints, with_torque)
 
     @cached_property
     def _joints(self) -> list[Joint]:

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BeforeValidator, InstanceOf
 from pydrake.systems.framework import Context, DiagramBuilder, OutputPort, System
 
+from drakearm.diagrams.connections import reroute
 from drakearm.diagrams.muscle_arm import MuscleArm
 from drakearm.files.kinds import Kind
 from drakearm.task import TrackingTask
@@ -65,10 +66,10 @@ class BeginsRun(Protocol):
 
 def perturb_plant(builder: DiagramBuilder, arm: MuscleArm, perturbations: Iterable[Perturbation]) -> None:
     """Puts the perturbations between the torques of muscles and stops and the plant, where they are connected."""
-    plant_input = arm.plant.get_applied_generalized_force_input_port()
-    system, index = builder.connection_map()[(arm.plant, plant_input.get_index())]
-    source = torque = system.get_output_port(index)
-    for perturbation in perturbations:
-        torque = perturbation.perturb_torque(builder, torque, arm)
-    builder.Disconnect(source, plant_input)
-    builder.Connect(torque, plant_input)
+
+    def perturbed(torque: OutputPort) -> OutputPort:
+        for perturbation in perturbations:
+            torque = perturbation.perturb_torque(builder, torque, arm)
+        return torque
+
+    reroute(builder, arm.plant.get_applied_generalized_force_input_port(), perturbed)

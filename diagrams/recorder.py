@@ -6,6 +6,7 @@ import numpy as np
 from pydrake.systems.framework import Context, DiagramBuilder, InputPort, OutputPort
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
+from drakearm.diagrams.connections import source_of
 from drakearm.diagrams.muscle_arm import MuscleArm
 from drakearm.errors import TaskError
 from drakearm.model.recording import Recording
@@ -76,13 +77,12 @@ def AddRecorder(
 
 
 def _source(builder: DiagramBuilder, port: InputPort) -> OutputPort:
-    connected = builder.connection_map().get((port.get_system(), port.get_index()))
-    if connected is None:
+    source = source_of(builder, port)
+    if source is None:
         raise TaskError(
             f"The input {port.get_name()} of the muscles is not connected: expected a source that can be recorded."
         )
-    system, index = connected
-    return system.get_output_port(index)
+    return source
 
 
 def _last(reference: np.ndarray, recorded: np.ndarray) -> np.ndarray:

@@ -32,9 +32,7 @@ def AddMuscleVisualizer(
             SkeletonVisualizer(arm.arm, arm.plant, meshcat, f"{path}/skeleton", arm.load_mass),
         )
         builder.Connect(arm.plant.get_body_poses_output_port(), skeleton.GetInputPort("body_poses"))
-    muscles = builder.AddNamedSystem(
-        f"{prefix}muscle_visualizer", MuscleVisualizer(arm.arm, arm.plant, meshcat, f"{path}/muscles")
+    MuscleVisualizer.AddToBuilder(
+        builder, arm.plant, arm.muscles, meshcat, f"{path}/muscles", f"{prefix}muscle_visualizer"
     )
-    builder.Connect(arm.muscles.GetOutputPort("activation"), muscles.GetInputPort("activation"))
-    builder.Connect(arm.plant.get_body_poses_output_port(), muscles.GetInputPort("body_poses"))
     prepare_stage(meshcat, arm.arm, arm.plant, path, X_PW or RigidTransform())

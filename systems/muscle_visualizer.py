@@ -58,11 +58,16 @@ class MuscleVisualizer(LeafSystem):
 
     @staticmethod
     def AddToBuilder(
-        builder: DiagramBuilder, plant: MultibodyPlant, muscles: "HillMuscles", meshcat: Meshcat
+        builder: DiagramBuilder,
+        plant: MultibodyPlant,
+        muscles: "HillMuscles",
+        meshcat: Meshcat,
+        path: str = "/drake/muscles",
+        name: str = "muscle_visualizer",
     ) -> "MuscleVisualizer":
-        """Adds a MuscleVisualizer and connects it to the plant and the muscles."""
-        visualizer = MuscleVisualizer(muscles.arm, plant, meshcat)
-        builder.AddNamedSystem("muscle_visualizer", visualizer)
+        """Adds a MuscleVisualizer with a name and connects it to the plant and the muscles. path: of what it draws."""
+        visualizer = MuscleVisualizer(muscles.arm, plant, meshcat, path)
+        builder.AddNamedSystem(name, visualizer)
         builder.Connect(muscles.GetOutputPort("activation"), visualizer.GetInputPort("activation"))
         builder.Connect(plant.get_body_poses_output_port(), visualizer.GetInputPort("body_poses"))
         return visualizer
