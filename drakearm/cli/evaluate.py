@@ -107,10 +107,9 @@ def _evaluate_several(runs: "list[RunFolder]", measure: "Callable[[RunFolder], d
 def _evaluate_perturbed(run: "RunFolder", perturbations: "list[Perturbation]", policy: Path | None) -> None:
     from drakearm.experiments import perturb_step
     from drakearm.figures import perturbed_table
-    from drakearm.model import load_arm
 
     metrics = perturb_step(run, perturbations, policy)
-    console.print(perturbed_table(metrics, load_arm(run.scenario().arm).coordinates))
+    console.print(perturbed_table(metrics, run.scenario().loaded_arm.coordinates))
     say(f"results in {run.path('perturbed')}")
 
 

@@ -69,12 +69,12 @@ def export(
     if len(chosen) != 1:
         raise typer.BadParameter("expected one of --csv, --sto and --mot.")
     from drakearm.experiments.export import export_recording
-    from drakearm.model import Recording, load_arm
+    from drakearm.model import Recording
 
     with existing_run(run) if os.path.isdir(run) else recorded_run_folder(run, None) as folder:
         recording = Recording.load(folder.existing("recording", f"evaluate {run}"))
         scenario = folder.scenario()
         file = out or Path(f"{scenario.name}{chosen[0]}")
         prepare_new_file(file, "table", chosen[0], overwrite)
-        export_recording(recording, load_arm(scenario.arm), file, coordinates.split(",") if coordinates else None)
+        export_recording(recording, scenario.loaded_arm, file, coordinates.split(",") if coordinates else None)
     say(f"wrote {file}")

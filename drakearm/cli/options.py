@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -70,15 +70,14 @@ ScenarioArgument = Annotated[
         autocompletion=complete_scenario,
     ),
 ]
-ScenarioArguments = Annotated[
-    list[str],
-    typer.Argument(
-        help="Names from `drakearm list`, or paths of scenario files.",
-        metavar="SCENARIO...",
-        parser=name_or_path,
-        autocompletion=complete_scenario,
-    ),
-]
+
+
+def scenarios_argument(help: str) -> Any:
+    """The argument of a command that takes several scenarios."""
+    return typer.Argument(help=help, metavar="SCENARIO...", parser=name_or_path, autocompletion=complete_scenario)
+
+
+ScenarioArguments = Annotated[list[str], scenarios_argument("Names from `drakearm list`, or paths of scenario files.")]
 Out = Annotated[
     Path | None,
     typer.Option(

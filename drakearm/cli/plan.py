@@ -7,7 +7,7 @@ import typer
 
 from drakearm.cli.console import console, say
 from drakearm.cli.folders import folders_of, run_folder, say_removed
-from drakearm.cli.options import Import, OutOfAll, Overwrite, complete_scenario, duration, name_or_path
+from drakearm.cli.options import Import, OutOfAll, Overwrite, duration, scenarios_argument
 from drakearm.cli.own_code import import_own_code
 from drakearm.cli.progress import show_progress
 from drakearm.errors import DrakearmError
@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 def plan(
     scenarios: Annotated[
         list[str],
-        typer.Argument(
-            help="Names from `drakearm list`, paths of scenario files, or `all` for all shipped scenarios.",
-            metavar="SCENARIO...",
-            parser=name_or_path,
-            autocompletion=complete_scenario,
-        ),
+        scenarios_argument("Names from `drakearm list`, paths of scenario files, or `all` for all shipped scenarios."),
     ],
     out: OutOfAll = None,
     horizon: Annotated[
